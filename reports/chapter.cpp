@@ -44,7 +44,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
   chapter.findings = accuracy_findings(s);
-  chapter.warnings = accuracy_warnings(s, tracking);
+  chapter.warnings = accuracy_warnings(s);
   if (s.left_out()) chapter.sentences.push_back(truth_note(s));
   for (const CrossCheck& check : s.cross_checks)
     chapter.sentences.push_back(fmt::format(

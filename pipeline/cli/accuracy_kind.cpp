@@ -151,14 +151,14 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
     document["cross_check_passed"] = summary.cross_checks.empty() ? Json() : Json(passed);
     document["errors"] = errors_json(summary);
     document["best"] = json_of(summary.best);
-    document["warnings"] = accuracy_warnings(summary, tracking);
+    document["warnings"] = accuracy_warnings(summary);
     fmt::print("{}\n", json_text(document, 2));
   } else {
     if (shown.tables)
       for (const Table& table : accuracy_tables(without_sets(summary)))
         fmt::print("{}\n", markdown_of(table));
     else
-      fmt::print("{}", outcome_text(without_sets(summary), tracking));
+      fmt::print("{}", outcome_text(without_sets(summary)));
     if (tracking && (shown.tables || summary.left_out()))
       for (const Table& table : prediction_tables(*tracking)) fmt::print("{}\n", markdown_of(table));
     if (tracking && shown.tables)

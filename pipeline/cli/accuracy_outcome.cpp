@@ -103,7 +103,7 @@ std::string table_text(const ResultsSummary& s) {
 
 }  // namespace
 
-std::string outcome_text(const ResultsSummary& s, const std::optional<TrackingSummary>& tracking) {
+std::string outcome_text(const ResultsSummary& s) {
   if (s.alignments.empty()) return "";
   std::string words;
   const auto add = [&](std::string sentence) {
@@ -111,7 +111,7 @@ std::string outcome_text(const ResultsSummary& s, const std::optional<TrackingSu
     for (const std::string& line : lines_of(sentence, kWidest)) words += line + "\n";
   };
   for (const std::string& finding : accuracy_findings(s)) add(finding);
-  for (const std::string& warning : accuracy_warnings(s, tracking)) add("warning: " + warning);
+  for (const std::string& warning : accuracy_warnings(s, false)) add("warning: " + warning);
   return fmt::format(
              "{}, {}: {} of {} takes, {} participants\nmean error in cm{} (alignment {}), ± half of the 95 % "
              "interval\n\n",

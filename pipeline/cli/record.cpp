@@ -83,11 +83,17 @@ class LiveDisplay {
   struct Shared {
     std::mutex mutex;
     std::condition_variable changed;
-    std::deque<std::string> texts;
+    std::deque<std::string> texts, recent;  // recent: what stays below a picture
     std::string picture, line;
     bool line_changed = false, ended = false, done = false;
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
     double next_s = 0.0;
+
+    std::string below_picture() const {
+      std::string text;
+      for (const std::string& one : recent) text += picture.empty() ? "" : one + "\n";
+      return text;
+    }
 
     void run() {
       std::unique_lock lock(mutex);
@@ -97,7 +103,7 @@ class LiveDisplay {
         if (terminal) out += "\r\033[K";
         for (const std::string& text : texts) out += text + "\n";
         texts.clear();
-        if (line_changed && !ended) out += picture + line + (terminal ? "" : "\n");
+        if (line_changed && !ended) out += picture + below_picture() + line + (terminal ? "" : "\n");
         line_changed = false;
         last = ended;
         lock.unlock();
@@ -145,6 +151,9 @@ void LiveDisplay::say(const std::string& text) {
   constexpr std::size_t kMostTexts = 200;  // while the terminal takes nothing
   const std::lock_guard lock(shared_->mutex);
   if (shared_->texts.size() < kMostTexts) shared_->texts.push_back(text);
+  constexpr std::size_t kMostBelow = 4;
+  shared_->recent.push_back(text);
+  if (shared_->recent.size() > kMostBelow) shared_->recent.pop_front();
   shared_->changed.notify_all();
 }
 

@@ -5,6 +5,7 @@
 #include <csignal>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 
 namespace trilat {
 namespace {
@@ -20,6 +21,55 @@ void on_signal(int number) {
 }
 
 }  // namespace
+
+namespace {
+
+using AddVerb = void (*)(CLI::App& app, int& code);
+// In the order of --help.
+constexpr AddVerb kVerbs[] = {add_demo,      add_init,      add_simulate, add_run,    add_report,
+                              add_reproduce, add_calibrate, add_gate,     add_record, add_info,
+                              add_verify,    add_recover,   add_fuse,     add_schema};
+
+[[noreturn]] void refuse_verb(const CLI::App& app, const std::string& given) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb :
+       app.get_subcommands([](const CLI::App* verb) { return !verb->get_group().empty(); }))
+    verbs.push_back(verb->get_name());
+  throw InputError("there is no verb \"" + given + '"', known_names(given, verbs));
+}
+
+[[noreturn]] void refuse_options(const CLI::App& app, const std::string& problem) {
+  const auto given = app.get_subcommands();
+  if (given.empty()) throw InputError(problem, "`trilat --help` says what can be asked");
+  const std::string name = given.front()->get_name();
+  std::string usage = CLI::Formatter().make_usage(given.front(), "trilat " + name);
+  std::erase(usage, '\n');
+  throw InputError(name, problem + ". " + usage + "; `trilat " + name + " --help` says all");
+}
+
+}  // namespace
+
+int run_verb(int argc, char** argv, const std::string& version) {
+  CLI::App app(
+      "Offline evaluation of trilateration with several Kinect v2 sensors against OptiTrack.\n"
+      "Exit codes: 0 done; 1 done, but items failed or something was lost; 2 bad input or usage; 3 (gate) "
+      "not judged; 70 a bug of this program; 130 interrupted, the same line goes on.",
+      "trilat");
+  app.set_version_flag("--version", version);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::help);
+  int code = kDone;
+  for (const AddVerb add : kVerbs) add(app, code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // for help or the version
+    return app.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-') refuse_verb(app, argv[1]);
+    refuse_options(app, error.what());
+  }
+  return code;
+}
 
 bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0; }
 

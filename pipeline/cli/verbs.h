@@ -20,6 +20,10 @@ enum ExitCode {
   kInterrupted = 130  // by Ctrl-C or SIGTERM: the same line goes on
 };
 
+// What the words on the command line ask for, and its exit code. InputError for a verb that there is not and
+// for options that it does not have; all that verbs throw. `version`: what --version says.
+int run_verb(int argc, char** argv, const std::string& version);
+
 // True once the process has been asked to end (Ctrl-C, SIGTERM). Long work asks between items.
 bool stop_requested();
 // From now on Ctrl-C asks; without, the program just ends.

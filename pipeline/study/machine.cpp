@@ -2,18 +2,41 @@
 #include "pipeline/study/machine.h"
 
 #include <fstream>
+#include <latch>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 
 namespace trilat {
 
+namespace {
+
+// TBB ends the program where the system does not start a thread that it wants: they are tried first.
+void check_threads(int count) {
+  std::latch all_started(1);
+  std::vector<std::jthread> threads;
+  try {
+    for (int k = 1; k < count; ++k) threads.emplace_back([&] { all_started.wait(); });
+  } catch (const std::system_error&) {
+    all_started.count_down();
+    throw InputError("--threads",
+                     std::to_string(count) + " threads are more than the system starts; give fewer");
+  }
+  all_started.count_down();
+}
+
+}  // namespace
+
 void on_threads(int threads, const std::function<void(int)>& work) {
   const int count = threads > 0 ? threads : tbb::info::default_concurrency();
+  check_threads(count);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(count));
   tbb::task_arena arena(count);

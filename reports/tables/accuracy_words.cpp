@@ -142,18 +142,14 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
 
 // What a reader must know before believing a number: failed takes, notes of the checks, clocks, silent
 // methods.
-std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
-                                           const std::optional<TrackingSummary>& tracking) {
-  constexpr double kClockOff_s = 0.1;  // more than a tracker lags behind
+std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_notes) {
   std::vector<std::string> warnings;
-  std::size_t notes = 0;
-  for (const TakeNote& note : s.notes) {
-    if (note.failed)
+  const auto notes = std::ranges::count(s.notes, false, &TakeNote::failed);
+  for (const TakeNote& note : s.notes)
+    if (note.failed && with_notes)
       warnings.push_back(fmt::format("Take {} failed: {}: {}.", note.take, note.place, note.text));
-    notes += !note.failed;
-  }
   const auto noted = std::ranges::find(s.notes, false, &TakeNote::failed);
-  if (notes > 0)
+  if (notes > 0 && with_notes)
     warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}: {}.", notes,
                                    notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
                                    noted->place, noted->text));
@@ -178,13 +174,6 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s,
                                : fmt::format("`{}` answers only {:.0f} % in {}: its error is of these alone.",
                                              method, 100.0 * c->coverage(), condition));
     }
-  if (tracking)
-    for (const ClockRow& row : tracking->clocks)
-      if (!row.applied && row.status == "found" && (row.low_s > kClockOff_s || row.high_s < -kClockOff_s))
-        warnings.push_back(
-            fmt::format("Take {}: the motion says that mocap and sensors are {:.0f} ms apart ({:.0f} to "
-                        "{:.0f}), and the study does not correct it.",
-                        row.take, 1e3 * row.offset_s, 1e3 * row.low_s, 1e3 * row.high_s));
   constexpr std::size_t kMost = 5;
   if (warnings.size() > kMost) {
     const std::size_t more = warnings.size() - kMost;

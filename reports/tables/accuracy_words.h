@@ -39,10 +39,9 @@ std::string difference_text(const ResultsSummary& summary, const std::string& co
 // A sentence a condition: which method errs least, by how much, against the reference, and what is like it;
 // `code` and **bold** as in Markdown.
 std::vector<std::string> accuracy_findings(const ResultsSummary& summary);
-// What a reader must know before believing a number: failed takes, notes of the checks, few participants,
-// silent methods, clocks.
-std::vector<std::string> accuracy_warnings(const ResultsSummary& summary,
-                                           const std::optional<TrackingSummary>& tracking);
+// What a reader must know before believing a number: few participants, silent methods, disagreement with
+// Ceres; and, where they are not said elsewhere, failed takes and notes of the checks.
+std::vector<std::string> accuracy_warnings(const ResultsSummary& summary, bool with_notes = true);
 
 // "converged 99.8 %, too_few_ranges 0.2 %", the most frequent first.
 std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked);
