@@ -38,19 +38,6 @@ std::vector<double> holm_adjusted(std::span<const double> p) {
   return adjusted;
 }
 
-std::vector<double> holm_levels(std::span<const double> p, double alpha) {
-  const std::vector<std::size_t> order = in_order(p);
-  std::vector<double> levels(p.size(), kNaN);
-  bool stopped = false;
-  double level = alpha;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (!stopped) level = alpha / static_cast<double>(order.size() - k);
-    levels[order[k]] = level;
-    stopped |= p[order[k]] > level;  // it and all that are larger stay at this level
-  }
-  return levels;
-}
-
 double student_quantile(std::size_t degrees, double alpha) {
   if (degrees == 0) return kNaN;
   const double quantile = gsl_cdf_tdist_Qinv(0.5 * alpha, static_cast<double>(degrees));

@@ -12,11 +12,6 @@ namespace trilat {
 // other. NaN is no test: it stays NaN and counts for none.
 std::vector<double> holm_adjusted(std::span<const double> p);
 
-// The level that each is held against when all together may have `alpha`: it comes out at or below it just
-// when its corrected probability comes out at or below `alpha`. An interval of 1 - level thus says the same
-// as the test.
-std::vector<double> holm_levels(std::span<const double> p, double alpha);
-
 // The quantile of Student's t for two-sided intervals of level 1 - alpha; NaN for 0 degrees of
 // freedom.
 double student_quantile(std::size_t degrees, double alpha = 0.05);

@@ -19,7 +19,7 @@
 #include "datasets/synthetic/generated_person.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/metrics/cluster_ratios.h"
-#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantiles.h"
 #include "evaluators/wand/find_wand.h"
 #include "evaluators/wand/printed_wand.h"
 #include "pipeline/study/parallel.h"
@@ -298,21 +298,21 @@ ErrorSpread spread_of(const std::vector<ClusteredError>& errors) {
   ErrorSpread spread;
   std::map<std::size_t, std::pair<double, double>> clusters;  // sum, count
   std::vector<double> answered;
-  CompensatedSum sum, squares;
+  double sum = 0.0, squares = 0.0;
   for (const ClusteredError& e : errors) {
     ++spread.asked;
     if (!std::isfinite(e.error_m)) continue;
     answered.push_back(e.error_m);
-    sum.add(e.error_m);
+    sum += e.error_m;
     clusters[e.cluster].first += e.error_m;
     clusters[e.cluster].second += 1.0;
   }
   spread.answered = answered.size();
   if (answered.empty()) return spread;
   const double n = static_cast<double>(answered.size());
-  spread.mean_m = sum.value() / n;
-  for (double error : answered) squares.add((error - spread.mean_m) * (error - spread.mean_m));
-  if (answered.size() > 1) spread.sd_m = std::sqrt(squares.value() / (n - 1.0));
+  spread.mean_m = sum / n;
+  for (double error : answered) squares += (error - spread.mean_m) * (error - spread.mean_m);
+  if (answered.size() > 1) spread.sd_m = std::sqrt(squares / (n - 1.0));
   const auto q = quantiles_of(answered, {0.5, 0.95, 1.0});
   spread.median_m = q[0];
   spread.p95_m = q[1];

@@ -239,8 +239,9 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
 
 int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
-  check_output({arguments.output, OutputKind::calibration, inputs_of(arguments), arguments.force});
-  refuse_other_calibration(arguments.output, inputs_of(arguments), arguments.force);
+  check_output_file({arguments.output, inputs_of(arguments), arguments.force},
+                    is_calibration_of(arguments.output, inputs_of(arguments)),
+                    "exists and is no calibration of these recordings");
   Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);

@@ -5,51 +5,50 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/described.h"
 #include "datasets/take/campaign.h"
 
 namespace trilat {
 
-// What a verb writes, and with it how an older one of its own is known.
-enum class OutputKind {
-  joint_table,
-  trc,
-  calibration,
-  junit,
-  history,
-  session,  // and all other recordings: no older one is ever replaced
-  truth,
-  campaign,
-  results,
-  report,
-  reproduction
-};
-
+// What a verb is about to write.
 struct PlannedOutput {
   std::filesystem::path path;
-  OutputKind kind;
   std::vector<std::filesystem::path> inputs;  // files and folders that the verb reads; empty ones are none
-  bool force = false;                         // what others wrote may be replaced
-  std::string of = {};                        // of the truth: the session that it belongs to
-  std::string aside = ".partial";             // behind the name while it is unfinished
+  bool force = false;                         // what else lies there may be replaced
+  std::string aside = ".partial";             // behind a file's name while it is unfinished
 };
 
-// InputError unless `force` where the folder holds results of another study, by name (empty: not
-// looked at), or of another campaign: of another name, without a common take, or with no input of equal
-// SHA-256. Changed settings of the same study go on in place. `campaign`: null for a study that has none.
-void refuse_other_results(const std::filesystem::path& output, const std::string& study,
-                          const Campaign* campaign, bool force);
-// The same where a report was made of other studies than those of these results.
-void refuse_other_report(const std::filesystem::path& output,
-                         const std::vector<std::filesystem::path>& results, bool force);
-// The same where a calibration was made of other inputs.
-void refuse_other_calibration(const std::filesystem::path& output,
-                              const std::vector<std::filesystem::path>& inputs, bool force);
-// The same where a folder holds a simulated campaign of another name.
-void refuse_other_campaign(const std::filesystem::path& output, const std::string& name, bool force);
+// What an output folder is: run.json in it says by which verb, and of what.
+struct OutputMark {
+  std::string verb;
+  std::vector<std::string> names;  // of the study or the simulated campaign; of a report all its studies
+  std::string campaign = {};       // whose takes a study evaluates
 
-// The one rule for outputs, asked before anything is written. InputError where `path` is an input, a link to
-// one, in one or around one; where it is something that this program did not write, unless `force`; where it
-// cannot be written at all.
-void check_output(const PlannedOutput& output);
+  TRILAT_FIELDS(verb, names, campaign)
+};
+
+// The rule for outputs, asked before anything is written: a folder has to be absent, empty, or marked as of
+// the same verb, of a common name and of the same campaign, unless `force`. InputError else; where it is an
+// input, a link to one, in one or around one, whatever is forced; and where it cannot be written at all.
+void check_output_folder(const PlannedOutput& output, const OutputMark& mark);
+// Marks the folder, which is made where there is none.
+void mark_output(const std::filesystem::path& folder, const OutputMark& mark);
+
+// The same of a file, which has to be absent, unless `force` or the verb knows it as its own of the same
+// inputs.
+// `else_it`: what it says of another file.
+void check_output_file(const PlannedOutput& output, bool is_own = false, const char* else_it = "exists");
+
+// InputError unless `force` where the folder holds results of another campaign of the same name: without a
+// common take, or with no input of equal SHA-256.
+void refuse_other_takes(const std::filesystem::path& results, const Campaign& campaign, bool force);
+// The same where a campaign there says that it was not simulated.
+void refuse_real_campaign(const std::filesystem::path& folder, bool force);
+
+// Whether a calibration that this program made was made of one of these files.
+bool is_calibration_of(const std::filesystem::path& calibration,
+                       const std::vector<std::filesystem::path>& inputs);
+// Whether a file is not there, is empty, or begins with a text that has `part`.
+bool begins_with(const std::filesystem::path& file, const std::string& part);
 
 }  // namespace trilat

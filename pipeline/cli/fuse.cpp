@@ -38,12 +38,10 @@ MethodSpec method_of(const FuseArguments& a) {
 
 struct JointFormat {
   const char* extension;
-  OutputKind output;
   void (*write)(const std::filesystem::path&, const JointTrack&);
 };
 
-constexpr JointFormat kJointFormats[] = {{".trc", OutputKind::trc, write_trc},
-                                         {".csv", OutputKind::joint_table, write_joint_csv}};
+constexpr JointFormat kJointFormats[] = {{".trc", write_trc}, {".csv", write_joint_csv}};
 
 const JointFormat& joint_format_of(const std::filesystem::path& output) {
   for (const JointFormat& format : kJointFormats)
@@ -54,7 +52,7 @@ const JointFormat& joint_format_of(const std::filesystem::path& output) {
 int fuse(const FuseArguments& a) {
   const JointFormat& format = joint_format_of(a.output);
   const MethodSpec method = method_of(a);
-  check_output({a.output, format.output, {a.session, a.calibration}, a.force});
+  check_output_file({a.output, {a.session, a.calibration}, a.force});
   const FusedSession fused = [&] {
     Progress progress("fusing " + a.session.filename().string());
     return fuse_session(a.session, a.calibration, method, a.rate_hz,

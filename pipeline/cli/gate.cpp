@@ -122,10 +122,13 @@ int compare(const GateArguments& arguments, const std::string& time) {
 
 int gate(const GateArguments& arguments) {
   const std::string time = time_now();
-  const std::pair<std::filesystem::path, OutputKind> outputs[] = {{arguments.junit, OutputKind::junit},
-                                                                  {arguments.history, OutputKind::history}};
-  for (const auto& [path, kind] : outputs)
-    if (!path.empty()) check_output({path, kind, {arguments.results, arguments.baseline}, arguments.force});
+  const std::pair<std::filesystem::path, const char*> outputs[] = {
+      {arguments.junit, "<testsuite name=\"trilat gate\""},
+      {arguments.history, "\"format\":\"trilat.history\""}};
+  for (const auto& [path, own] : outputs)
+    if (!path.empty())
+      check_output_file({path, {arguments.results, arguments.baseline}, arguments.force},
+                        begins_with(path, own));
   if (arguments.accept_reason) return accept(arguments, time);
   try {
     return compare(arguments, time);

@@ -325,7 +325,7 @@ int recover(const RecoverArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? default_output(damaged) : arguments.output;
   const bool complete = SessionReader(damaged).complete();
   if (!complete || damaged.extension() == ".partial")
-    check_output({output, OutputKind::session, {damaged}, arguments.force, {}, ".recovered.partial"});
+    check_output_file({output, {damaged}, arguments.force, ".recovered.partial"});
   if (complete) return give_its_name(damaged, output, arguments.json);
   std::vector<SensorRecovery> recoveries;
   {

@@ -313,6 +313,12 @@ void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
                     free_mb, reserve_mb));
 }
 
+// Of this session, or of a recording that never began.
+OutputMark truth_mark(const RecordArguments& arguments) {
+  return {"record",
+          {std::filesystem::weakly_canonical(std::filesystem::absolute(arguments.output)).string()}};
+}
+
 int record_session(const RecordArguments& arguments) {
   if (arguments.sources.empty() && arguments.listen.empty())
     throw InputError("--source", "is missing, and so is --listen; a source may be " + source_help());
@@ -325,10 +331,13 @@ int record_session(const RecordArguments& arguments) {
       arguments.calibration.empty() ? Calibration{} : read_calibration(arguments.calibration);
   refuse_full_disk(arguments.output, arguments.reserve_mb);
   if (!arguments.truth.empty())
-    check_output({arguments.truth, OutputKind::truth, {}, arguments.force, arguments.output.string()});
+    check_output_folder({arguments.truth, {}, arguments.force}, truth_mark(arguments));
   const OutputClaim claim(arguments.output);
-  check_output({arguments.output, OutputKind::session, {}, arguments.force});
-  if (!arguments.truth.empty()) write_truth(arguments.sources, arguments.truth, arguments.duration_s);
+  check_output_file({arguments.output, {}, arguments.force});
+  if (!arguments.truth.empty()) {
+    write_truth(arguments.sources, arguments.truth, arguments.duration_s);
+    mark_output(arguments.truth, truth_mark(arguments));
+  }
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
   LiveDisplay display;

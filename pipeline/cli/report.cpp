@@ -75,6 +75,13 @@ std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem:
   return results;
 }
 
+OutputMark report_mark(const std::vector<std::filesystem::path>& results) {
+  OutputMark mark{"report", {}};
+  for (const std::filesystem::path& folder : results)
+    mark.names.push_back(read_results_json(folder).value("study", ""));
+  return mark;
+}
+
 PaperFindings judged_paper(const std::vector<std::filesystem::path>& results) {
   if (std::optional<PaperFindings> findings = judge_paper(results)) return std::move(*findings);
   throw InputError(
@@ -89,11 +96,12 @@ int report(const ReportArguments& arguments) {
                      "needs results folders, or --audit for what the paper's own numbers imply");
   if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
   const std::vector<std::filesystem::path> results = results_of(arguments.results);
-  check_output({arguments.output, OutputKind::report, results, arguments.force});
-  refuse_other_report(arguments.output, results, arguments.force);
+  const OutputMark mark = report_mark(results);
+  check_output_folder({arguments.output, results, arguments.force}, mark);
   ReportFiles files;
   {
     Progress progress("writing the report");
+    mark_output(arguments.output, mark);
     files = write_report(results, arguments.output,
                          {.paper = arguments.paper ? std::optional(judged_paper(results)) : std::nullopt,
                           .changes = arguments.paper ? std::nullopt : changes_between(results),

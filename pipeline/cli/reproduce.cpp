@@ -83,15 +83,16 @@ class Reproduction {
 
   // Everything that will be written, before the work begins.
   void check_outputs() const {
-    const auto check = [&](const std::filesystem::path& path, OutputKind kind) {
-      check_output({path, kind, {}, arguments_.force});
+    const auto check = [&](const std::filesystem::path& path, const OutputMark& mark) {
+      check_output_folder({path, {}, arguments_.force}, mark);
     };
-    check(folder_, OutputKind::reproduction);
+    check(folder_, kMark);
     for (const Part& part : parts()) {
-      if (*part.campaign) check(folder_ / part.campaign, OutputKind::campaign);
-      check(folder_ / part.results, OutputKind::results);
+      if (*part.campaign) check(folder_ / part.campaign, campaign_mark(part.campaign));
+      check(folder_ / part.results, results_mark(part));
     }
-    check(folder_ / "report", OutputKind::report);
+    check(folder_ / "report", report_mark());
+    mark_output(folder_, kMark);
   }
 
   void do_part(const Part& part) {
@@ -105,6 +106,7 @@ class Reproduction {
     run.cross_check = part.cross_check;
     if (*part.campaign) run.campaign = folder_ / part.campaign;
     const OpenedStudy opened = find_kind(study.at("kind").get<std::string>())->open(run, study);
+    mark_output(run.output, results_mark(part));
     StageProgressBars progress;
     run_study(opened.plan({stop_requested, {}}), run.output,
               {.threads = arguments_.threads,
@@ -114,6 +116,7 @@ class Reproduction {
   }
 
   void report() {
+    mark_output(folder_ / "report", report_mark());
     Progress progress("report");
     report_ = write_report(results(), folder_ / "report",
                            {.paper = is_demo() ? std::nullopt : judge_paper(results()),
@@ -147,6 +150,23 @@ class Reproduction {
   }
 
  private:
+  inline static const OutputMark kMark{"reproduce", {}};
+  static Json simulation_of(const std::string& campaign, const std::string& scale) {
+    return built_in_campaign(std::ranges::find(kCampaigns, campaign, &Simulated::folder)->simulation, scale);
+  }
+  OutputMark campaign_mark(const std::string& campaign) const {
+    return {"simulate", {simulation_of(campaign, arguments_.scale).at("name").get<std::string>()}};
+  }
+  OutputMark results_mark(const Part& part) const {
+    const std::string campaign = *part.campaign ? campaign_mark(part.campaign).names.front() : std::string();
+    return {"run", {study_of(part).at("name").get<std::string>()}, campaign};
+  }
+  OutputMark report_mark() const {
+    OutputMark mark{"report", {}};
+    for (const Part& part : parts()) mark.names.push_back(study_of(part).at("name").get<std::string>());
+    return mark;
+  }
+
   std::filesystem::path own_study() const { return folder_ / "study.json"; }
 
   Json study_of(const Part& part) const {
@@ -161,11 +181,11 @@ class Reproduction {
   }
 
   void simulate(const std::string& name) {
-    const Simulated& campaign = *std::ranges::find(kCampaigns, name, &Simulated::folder);
-    Json json = built_in_campaign(campaign.simulation, arguments_.scale);
+    Json json = simulation_of(name, arguments_.scale);
     json["seed"] = arguments_.seed;
+    mark_output(folder_ / name, campaign_mark(name));
     Progress progress("simulating");
-    simulate_campaign(parse_simulation(json, std::string(campaign.simulation) + ".json", {}), folder_ / name,
+    simulate_campaign(parse_simulation(json, name, {}), folder_ / name,
                       {stop_requested, [&](double s) { progress.set(s); }});
     simulated_.push_back(name);
   }

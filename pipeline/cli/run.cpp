@@ -24,7 +24,8 @@ void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
     throw InputError("--cross-check", "is for studies of kind accuracy");
 }
 
-ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard) {
+ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard,
+                       const OutputMark& mark) {
   StageProgressBars progress;
   const StudyOptions options{
       .threads = arguments.threads,
@@ -35,7 +36,9 @@ ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments,
   ItemTally tally;
   on_threads(arguments.threads, [&](int) {
     const Watch watch{stop_requested, [&](double share) { progress.set("planning", share); }};
-    tally = run_study(opened.plan(watch), arguments.output, options);
+    const Study study = opened.plan(watch);
+    mark_output(arguments.output, mark);
+    tally = run_study(study, arguments.output, options);
   });
   return tally;
 }
@@ -54,13 +57,16 @@ int print_shard(const OpenedStudy& opened, const RunArguments& arguments, const 
   return tally.failed.empty() ? kDone : kItemsFailed;
 }
 
-void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, const std::string& study) {
+OutputMark mark_of(const OpenedStudy& opened, const std::string& study) {
+  return {"run", {study}, opened.campaign ? opened.campaign->name : ""};
+}
+
+void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, const OutputMark& mark) {
   if (arguments.output.empty()) throw InputError("--output", "is missing: where should the results go?");
   std::vector<std::filesystem::path> inputs = opened.inputs;
   inputs.insert(inputs.end(), {arguments.study, arguments.calibration});
-  check_output({arguments.output, OutputKind::results, inputs, arguments.force});
-  refuse_other_results(arguments.output, study, opened.campaign ? &*opened.campaign : nullptr,
-                       arguments.force);
+  check_output_folder({arguments.output, inputs, arguments.force}, mark);
+  if (opened.campaign) refuse_other_takes(arguments.output, *opened.campaign, arguments.force);
 }
 
 // A file, or the name of a study that is built in. Its scales are those of `trilat reproduce`.
@@ -84,10 +90,11 @@ int run(const RunArguments& arguments) {
   refuse_what_is_of_no_use(kind, arguments);
   const OpenedStudy opened = kind.open(arguments, json);
   if (arguments.dry_run) return opened.print_plan(shard, arguments.json, {stop_requested, {}});
-  check_run_output(arguments, opened, json.value("name", ""));
+  const OutputMark mark = mark_of(opened, json.value("name", ""));
+  check_run_output(arguments, opened, mark);
   ItemTally tally;
   try {
-    tally = plan_and_run(opened, arguments, shard);
+    tally = plan_and_run(opened, arguments, shard, mark);
   } catch (const Interrupted&) {
     tell_interrupted(arguments.output);
     return kInterrupted;

@@ -79,9 +79,11 @@ Study planned(const SimulateArguments& arguments) {
 
 int simulate(const SimulateArguments& arguments) {
   const SimulationSpec spec = read_simulation(arguments.spec);
-  check_output({arguments.output, OutputKind::campaign, files_of(arguments, spec), arguments.force});
-  refuse_other_campaign(arguments.output, spec.name, arguments.force);
+  const OutputMark mark{"simulate", {spec.name}};
+  check_output_folder({arguments.output, files_of(arguments, spec), arguments.force}, mark);
+  refuse_real_campaign(arguments.output, arguments.force);
   const Study study = planned(arguments);
+  mark_output(arguments.output, mark);
   ItemTally tally;
   {
     Progress progress("simulating");

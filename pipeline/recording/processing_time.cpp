@@ -10,7 +10,7 @@
 #include "datasets/session/body_readings.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/tracker/body_tracker.h"
-#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantiles.h"
 #include "pipeline/accuracy/methods/method.h"
 
 namespace trilat {

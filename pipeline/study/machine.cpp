@@ -13,6 +13,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/strict_json.h"
 
 namespace trilat {
 
@@ -53,14 +54,19 @@ std::string processor_name() {
   return "unknown";
 }
 
-void write_run_record(const std::filesystem::path& folder, const Json& times, double wall_s, int threads) {
-  Json json{{"format", "trilat.run"},
-            {"version", 1},
-            {"processor", processor_name()},
-            {"processors", std::thread::hardware_concurrency()},
-            {"threads", threads},
-            {"compiler", __VERSION__},
-            {"wall_s", wall_s}};
+void write_run_record(const std::filesystem::path& folder, const std::filesystem::path& results,
+                      const Json& times, double wall_s, int threads) {
+  Json json{{"format", "trilat.run"}, {"version", 1}};
+  if (std::filesystem::exists(results / "run.json")) {
+    const Json before = read_json(results / "run.json");
+    for (const char* key : {"verb", "names", "campaign"})
+      if (before.contains(key)) json[key] = before[key];
+  }
+  json.update(Json{{"processor", processor_name()},
+                   {"processors", std::thread::hardware_concurrency()},
+                   {"threads", threads},
+                   {"compiler", __VERSION__},
+                   {"wall_s", wall_s}});
   json.update(times);
   write_file(folder / "run.json", json.dump(1) + "\n");
 }

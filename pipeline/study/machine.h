@@ -13,8 +13,9 @@ namespace trilat {
 void on_threads(int threads, const std::function<void(int)>& work);
 
 // run.json: what may differ between equal runs: the machine, the number of threads, the times; `more`: what
-// else it says.
-void write_run_record(const std::filesystem::path& folder, const Json& more, double wall_s, int threads);
+// else it says. What the results are marked by stays in it.
+void write_run_record(const std::filesystem::path& folder, const std::filesystem::path& results,
+                      const Json& more, double wall_s, int threads);
 
 // As this machine calls it, or "unknown".
 std::string processor_name();

@@ -254,8 +254,8 @@ void publish(const fs::path& made, const fs::path& output, const std::string& ma
 // folder stays.
 bool is_of_summary(const fs::path& path) {
   const std::string name = path.filename().string();
-  return name == "run.json" || name == "simulator.json" || name == "timings.json" ||
-         name == "tracking.json" || name == "points.csv";
+  return name == "simulator.json" || name == "timings.json" || name == "tracking.json" ||
+         name == "points.csv" || name == "tables.json" || name == "figures.json";
 }
 
 void write_summary(const Study& study, Run& run, const fs::path& results, const StudyOptions& options,
@@ -268,7 +268,7 @@ void write_summary(const Study& study, Run& run, const fs::path& results, const 
   Json times = run.times();
   times.update(Json{{"computed", run.tally().computed}, {"found", run.tally().found}});
   if (study.times) times.update(study.times());
-  write_run_record(folder, times, start.seconds(), tbb::this_task_arena::max_concurrency());
+  write_run_record(folder, results, times, start.seconds(), tbb::this_task_arena::max_concurrency());
   publish(folder, results, kSummary, is_of_summary);
 }
 

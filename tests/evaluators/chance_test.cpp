@@ -49,14 +49,6 @@ TEST(Holm, CorrectsStepByStep) {
               ElementsAre(DoubleEq(0.03), DoubleEq(0.06), DoubleEq(0.06), DoubleEq(0.02)));
 }
 
-TEST(Holm, ALevelIsReachedJustWhenTheCorrectedProbabilityIsSmallEnough) {
-  const std::vector<double> p{0.001, 0.04, 0.012, 0.03, kNone};
-  EXPECT_THAT(holm_levels(p, 0.05), ElementsAre(DoubleEq(0.05 / 4), DoubleEq(0.05 / 2), DoubleEq(0.05 / 3),
-                                                DoubleEq(0.05 / 2), NanSensitiveDoubleEq(kNone)));
-  const std::vector<double> adjusted = holm_adjusted(p), levels = holm_levels(p, 0.05);
-  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(p[k] <= levels[k], adjusted[k] <= 0.05) << k;
-}
-
 TEST(Holm, CountsOnlyWhatIsATest) {
   EXPECT_THAT(holm_adjusted(std::vector{kNone, 0.02, 0.9}),
               ElementsAre(NanSensitiveDoubleEq(kNone), DoubleEq(0.04), DoubleEq(0.9)));

@@ -74,12 +74,13 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
   refused({"-o", "walk.bvh"}, "must end in .trc or .csv");
   refused({"-o", csv, "--method", "psychic"}, "known are: linear");
   refused({"-o", csv, "--sensor", "k1"}, "--sensor: is for --method single; range_bearing uses all sensors");
-  EXPECT_THAT(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv, "--method",
-                                  "single", "--sensor", campaign_sensor, "--json"})
+  EXPECT_THAT(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv, "--force",
+                                  "--method", "single", "--sensor", campaign_sensor, "--json"})
                   .out,
               HasSubstr("\"sensors\": [\n    \"" + campaign_sensor + "\"\n  ]"));
   refused({"-o", session}, "must end in .trc or .csv");
-  expect_refused(run_trilat(folder, {"fuse", "absent.h5", "--calibration", calibration, "-o", trc}),
+  refused({"-o", csv}, "walk.csv: exists. Choose another name");
+  expect_refused(run_trilat(folder, {"fuse", "absent.h5", "--calibration", calibration, "-o", "new.trc"}),
                  "absent.h5");
 }
 

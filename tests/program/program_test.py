@@ -129,7 +129,7 @@ class ProgramTest(ScratchTest):
         self.ran()
         before = (self.folder / "results/summary.json").read_bytes()
         said = self.ran({**STUDY, "name": "other"}, code=2)
-        self.assertIn('results: holds study "lab"', said)
+        self.assertIn('results: holds what `trilat run` wrote of "lab" on campaign "walks"', said)
         self.assertIn("--force", said)
         self.assertIn('campaign "walks"', self.ran(campaign=self.campaign(name="another"), code=2))
         self.assertEqual((self.folder / "results/summary.json").read_bytes(), before)
@@ -149,18 +149,18 @@ class ProgramTest(ScratchTest):
     def test_campaigns_reports_and_calibrations_of_something_else_are_not_replaced(self):
         other = self.written("simulation.json", {**SIMULATION, "name": "runs", "participants": 1})
         trilat("simulate", other, "-o", self.folder / "sim")
-        self.assertIn('sim: holds campaign "runs"', trilat("simulate", self.made / "simulation.json", "-o", self.folder / "sim", code=2))
+        self.assertIn('sim: holds what `trilat simulate` wrote of "runs"', trilat("simulate", self.made / "simulation.json", "-o", self.folder / "sim", code=2))
         trilat("simulate", other, "-o", self.folder / "sim")
         self.ran()
         trilat("report", self.folder / "results", "-o", self.folder / "report")
         trilat("report", self.folder / "results", "-o", self.folder / "report")
         self.ran({**STUDY, "name": "other"}, force=True)
-        self.assertIn("report: holds a report of lab", trilat("report", self.folder / "results", "-o", self.folder / "report", code=2))
+        self.assertIn('report: holds what `trilat report` wrote of "lab"', trilat("report", self.folder / "results", "-o", self.folder / "report", code=2))
         first, second = (self.made / f"campaign/{take}-walking/session.h5" for take in ("p01", "p02"))
         calibration = self.folder / "calibration.json"
         trilat("calibrate", first, "--method", "bodies", "-o", calibration)
         trilat("calibrate", first, "--method", "bodies", "-o", calibration)
-        self.assertIn("calibration of other recordings", trilat("calibrate", second, "--method", "bodies", "-o", calibration, code=2))
+        self.assertIn("is no calibration of these recordings", trilat("calibrate", second, "--method", "bodies", "-o", calibration, code=2))
 
     def test_a_misspelled_joint_is_named_before_anything_is_computed(self):
         mapping = json.loads((self.made / "campaign/p01-walking/mapping.json").read_text())

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantiles.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {

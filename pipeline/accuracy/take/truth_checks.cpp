@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantiles.h"
 #include "evaluators/metrics/student.h"
 #include "pipeline/accuracy/take/take_data.h"
 

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: MIT
+#include "evaluators/metrics/quantiles.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
-#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
 namespace {
-
-using Eigen::Vector3d;
 
 double sorted_quantile(std::vector<double> values, double q) {
   std::ranges::sort(values);
@@ -73,75 +72,6 @@ TEST(Quantiles, RefuseWhatIsNoNumberAndQuantilesThatDoNotRise) {
   EXPECT_THROW((void)quantiles_of({1.0, kNaN}, {0.5}), InternalError);
   EXPECT_THROW((void)quantiles_of({1.0}, {1.5}), InternalError);
   EXPECT_THROW((void)quantiles_of({1.0}, {0.5, 0.25}), InternalError);
-}
-
-struct Item {
-  SolveStatus status;
-  Vector3d error_m;
-};
-
-ErrorSums sums_of(std::span<const Item> items) {
-  ErrorSums sums;
-  for (const Item& item : items) sums.add(item.status, item.error_m);
-  return sums;
-}
-
-TEST(ErrorSums, ByPencil) {
-  const Vector3d nan = Vector3d::Constant(kNaN);
-  const std::vector<Item> items{{SolveStatus::converged, {3, -4, 0}},
-                                {SolveStatus::clamped, {0, 0, -1}},
-                                {SolveStatus::rank_deficient, nan},
-                                {SolveStatus::closed_form, {-2, 1, 2}},
-                                {SolveStatus::mirror_ambiguous, {9, 9, 9}}};
-  const ErrorSums s = sums_of(items);
-  EXPECT_EQ(s.asked(), 5);
-  EXPECT_EQ(s.answered(), 3);
-  EXPECT_EQ(s.count_of(SolveStatus::rank_deficient), 1);
-  EXPECT_EQ(s.count_of(SolveStatus::mirror_ambiguous), 1);
-  EXPECT_NEAR(s.mae_m(), (5.0 + 1.0 + 3.0) / 3.0, 1e-15);
-  EXPECT_LT((s.axis_mae_m() - Vector3d(5, 5, 3) / 3.0).norm(), 1e-15);
-  EXPECT_NEAR(s.rmse_m(), std::sqrt((25.0 + 1.0 + 9.0) / 3.0), 1e-15);
-  EXPECT_EQ(s.max_m(), 5.0);
-}
-
-TEST(ErrorSums, WithoutAnswersAreNotANumberAndNotZero) {
-  const std::vector<Item> failed{{SolveStatus::diverged, Vector3d::Constant(kNaN)}};
-  for (const ErrorSums& s : {ErrorSums(), sums_of(failed)}) {
-    EXPECT_EQ(s.answered(), 0);
-    for (const double value : {s.mae_m(), s.axis_mae_m().x(), s.axis_mae_m().z(), s.rmse_m(), s.max_m()})
-      EXPECT_TRUE(std::isnan(value));
-  }
-}
-
-TEST(ErrorSums, AUsableEstimateWithoutANumberIsOurMistake) {
-  ErrorSums sums;
-  EXPECT_THROW(sums.add(SolveStatus::converged, Vector3d::Constant(kNaN)), InternalError);
-}
-
-TEST(ErrorSums, MergedAreThoseOfTheWhole) {
-  const RandomStream random{33, Purpose::test, 0};
-  std::vector<Item> items;
-  for (std::uint32_t i = 0; i < 100; ++i)
-    items.push_back({i % 7 == 0 ? SolveStatus::diverged : SolveStatus::converged,
-                     {random.normal(3 * i), random.normal(3 * i + 1), random.normal(3 * i + 2)}});
-  ErrorSums merged = sums_of(std::span(items).first(30));
-  merged.merge(sums_of(std::span(items).subspan(30)));
-  EXPECT_EQ(merged.asked(), 100);
-  EXPECT_EQ(merged.count_of(SolveStatus::diverged), 15);
-  const ErrorSums whole = sums_of(items);
-  EXPECT_NEAR(merged.mae_m(), whole.mae_m(), 1e-15);
-  EXPECT_NEAR(merged.rmse_m(), whole.rmse_m(), 1e-15);
-  EXPECT_LT((merged.axis_mae_m() - whole.axis_mae_m()).norm(), 1e-15);
-  EXPECT_EQ(merged.max_m(), whole.max_m());
-}
-
-TEST(CompensatedSum, KeepsWhatAPlainSumLoses) {
-  CompensatedSum sum;
-  for (const double value : {1.0, 1e100, 1.0, -1e100}) sum.add(value);
-  EXPECT_EQ(sum.value(), 2.0);
-  CompensatedSum tenths;
-  for (int i = 0; i < 10'000'000; ++i) tenths.add(0.1);
-  EXPECT_NEAR(tenths.value(), 1e6, 1e-9);
 }
 
 }  // namespace

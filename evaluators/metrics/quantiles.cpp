@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/metrics/error_statistics.h"
+#include "evaluators/metrics/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,51 +10,6 @@
 #include "datasets/base/error.h"
 
 namespace trilat {
-
-void CompensatedSum::add(double value) {
-  const double total = sum_ + value;
-  lost_ += std::abs(sum_) >= std::abs(value) ? (sum_ - total) + value : (value - total) + sum_;
-  sum_ = total;
-}
-
-void CompensatedSum::merge(const CompensatedSum& later) {
-  add(later.sum_);
-  add(later.lost_);
-}
-
-void ErrorSums::add(SolveStatus status, const Eigen::Vector3d& error_m) {
-  ++asked_;
-  ++status_counts_[static_cast<std::size_t>(status)];
-  if (!is_usable(status)) return;
-  TRILAT_CHECK(error_m.allFinite(), "a usable estimate has a finite error");
-  ++answered_;
-  const double square_m2 = error_m.squaredNorm();
-  distance_m_.add(std::sqrt(square_m2));
-  squared_m2_.add(square_m2);
-  for (int axis = 0; axis < 3; ++axis) axis_distance_m_[axis].add(std::abs(error_m[axis]));
-  max_m_ = std::max(max_m_, std::sqrt(square_m2));
-}
-
-void ErrorSums::merge(const ErrorSums& later) {
-  asked_ += later.asked_;
-  answered_ += later.answered_;
-  for (std::size_t i = 0; i < status_counts_.size(); ++i) status_counts_[i] += later.status_counts_[i];
-  distance_m_.merge(later.distance_m_);
-  squared_m2_.merge(later.squared_m2_);
-  for (int axis = 0; axis < 3; ++axis) axis_distance_m_[axis].merge(later.axis_distance_m_[axis]);
-  max_m_ = std::max(max_m_, later.max_m_);
-}
-
-double ErrorSums::mae_m() const { return distance_m_.value() / static_cast<double>(answered_); }
-
-Eigen::Vector3d ErrorSums::axis_mae_m() const {
-  const auto n = static_cast<double>(answered_);
-  return {axis_distance_m_[0].value() / n, axis_distance_m_[1].value() / n, axis_distance_m_[2].value() / n};
-}
-
-double ErrorSums::rmse_m() const { return std::sqrt(squared_m2_.value() / static_cast<double>(answered_)); }
-
-double ErrorSums::max_m() const { return answered_ == 0 ? kNaN : max_m_; }
 
 namespace {
 
