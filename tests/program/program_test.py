@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -77,6 +78,35 @@ class ProgramTest(ScratchTest):
         self.assertEqual(document("run", study, "--campaign", self.folder / "campaign", "-o", worse, code=1)["takes_failed"], 1)
         self.assertIn("QUIET", trilat("gate", results, "--baseline", results))
         self.assertIn("p02-walking", trilat("gate", worse, "--baseline", results, code=1))
+
+    def test_nights_of_equal_numbers_are_quiet_and_a_method_3_percent_worse_is_the_first_line(self):
+        study = self.written("lab.json", STUDY)
+        worse = self.folder / "worse"
+        worse.write_text(f"""#!/usr/bin/env python3
+import json, subprocess, sys
+code = subprocess.call([{str(PROGRAM)!r}, *sys.argv[1:]])
+if sys.argv[1] == "run":
+    file = sys.argv[sys.argv.index("-o") + 1] + "/summary.json"
+    summary = json.load(open(file))
+    for row in summary["by_take"]:
+        row["mae_m"] *= 1.03 if row["method"] == "nonlinear" else 1
+    json.dump(summary, open(file, "w"))
+sys.exit(code)
+""")
+        worse.chmod(0o755)
+
+        def night(program):
+            done = subprocess.run([SOURCE / "scripts/nightly", f"{study}={self.made / 'campaign'}"], capture_output=True, text=True, timeout=300,
+                                  check=False, env={**os.environ, "TRILAT_NIGHTLY_DIR": str(self.folder / "nightly"), "TRILAT_NIGHTLY_PROGRAM": str(program)})
+            time.sleep(1)  # names of nights are seconds
+            return done.returncode, done.stdout.splitlines()[0]
+
+        self.assertEqual(night(PROGRAM)[0], 0)
+        code, first = night(PROGRAM)
+        self.assertEqual((code, first.split(":")[0]), (0, "QUIET"))
+        code, first = night(worse)
+        self.assertEqual(code, 1)
+        self.assertRegex(first, r"^REGRESSION: lab, nonlinear, walking, \w+: larger errors, \+3(\.0)? %")
 
     def test_depth_walks_to_a_calibration_by_the_wand(self):
         made = self.written("simulation.json", {**SIMULATION, "participants": 1, "seed": 5, "depth": {"takes": False},
