@@ -2,24 +2,24 @@
 #include "reports/chapter.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "datasets/base/error.h"
+#include "datasets/results/paper_evidence.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/variations_summary.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
 #include "reports/figures/figures.h"
 #include "reports/tables/accuracy_words.h"
-#include "reports/tables/calibration_findings.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFirstFigures = 3, kMostCells = 200;
+constexpr std::size_t kFirstFigures = 3;
 
 void append(Chapter& chapter, std::vector<Table> more) {
   for (Table& table : more) chapter.tables.push_back(std::move(table));
@@ -68,86 +68,40 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   append(chapter, trajectory_figures(path, s));
   chapter.first_figures = std::min<std::size_t>(chapter.figures.size(), kFirstFigures);
   chapter.replays = packed_replays(path, s);
+  chapter.first_tables = std::min(chapter.first_tables, chapter.tables.size());
   return chapter;
 }
 
-Chapter sweep_chapter(const std::filesystem::path& path, bool) {
-  const SweepSummary s = read_results<SweepSummary>(path);
-  const std::optional<SweepTimings> timings = read_beside<SweepTimings>(path);
-  Chapter chapter = new_chapter(path, s.study);
-  chapter.about = fmt::format(
-      "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
-      s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials);
-  chapter.sentences = search_sentences(s);
-  chapter.findings = chapter.sentences;
-  if (!s.search) append(chapter, table1(s, timings));
-  append(chapter, search_tables(s));
-  chapter.first_tables = chapter.tables.size();
-  if (s.search) append(chapter, table1(s, timings));
-  Table cells = sweep_table(s, timings);
-  (cells.rows.size() > kMostCells ? chapter.apart : chapter.tables).push_back(std::move(cells));
-  append(chapter, sweep_figures(s, timings));
-  chapter.first_figures = s.search ? 0 : 2;
-  return chapter;
-}
-
-Chapter calibration_chapter(const std::filesystem::path& path, bool) {
-  const CalibrationSummary s = read_results<CalibrationSummary>(path);
-  Chapter chapter = new_chapter(path, s.study);
-  chapter.about = fmt::format(
-      "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and sensors, "
-      "except those that are called the paper's.",
-      s.seed);
-  chapter.sentences = calibration_sentences(s);
-  append(chapter, calibration_tables(s));
-  chapter.first_tables = std::min<std::size_t>(2, chapter.tables.size());
-  append(chapter, calibration_figures(s));
-  chapter.first_figures = 1;
-  return chapter;
-}
-
-// As it was stored.
-Chapter variations_chapter(const std::filesystem::path& path, bool) {
-  const VariationsSummary s = read_results<VariationsSummary>(path);
-  Chapter chapter = new_chapter(path, s.study);
-  chapter.about = fmt::format(
-      "Variations of a simulation, **simulated**: {} campaigns of {} participant{} each, seed {}.",
-      s.points.size(), s.participants, s.participants == 1 ? "" : "s", s.seed);
-  chapter.sentences = s.sentences;
-  chapter.findings = s.sentences;
-  if (const auto stored = read_beside<StoredTables>(path)) append(chapter, stored->tables);
-  if (const auto stored = read_beside<StoredFigures>(path)) append(chapter, stored->figures);
-  chapter.first_tables = 1;
-  chapter.first_figures = 1;
-  return chapter;
-}
-
-Chapter recording_chapter(const std::filesystem::path& path, bool) {
-  const RecordingSummary s = read_results<RecordingSummary>(path);
-  const std::optional<StageTimings> timings = read_beside<StageTimings>(path);
-  Chapter chapter = new_chapter(path, s.study);
-  chapter.about = fmt::format(
-      "Clocks and processing times, **simulated** recordings (seed {}); the times that frames take are "
-      "measured.",
-      s.seed);
-  append(chapter, table4(s, timings));
-  chapter.first_tables = 2;
+// As the study stored it.
+Chapter stored_chapter(const std::filesystem::path& path, const ResultsHead& head) {
+  std::optional<StoredTables> stored = read_beside<StoredTables>(path);
+  std::optional<StoredFigures> figures = read_beside<StoredFigures>(path);
+  if (!stored || !figures)
+    throw InputError(path.string(), fmt::format("holds no {}: an older program made it; run its study again",
+                                                stored ? StoredFigures::kFile : StoredTables::kFile));
+  Chapter chapter = new_chapter(path, head.study);
+  chapter.simulated = head.simulated;
+  chapter.about = stored->about;
+  chapter.findings = stored->findings;
+  chapter.sentences = stored->findings;
+  chapter.sentences.insert(chapter.sentences.end(), stored->sentences.begin(), stored->sentences.end());
+  std::ranges::stable_sort(stored->tables, {}, &Table::shown);
+  std::ranges::stable_sort(figures->figures, std::greater(), &Figure::is_first);
+  for (Table& table : stored->tables) {
+    chapter.first_tables += table.shown == Table::Shown::first;
+    (table.shown == Table::Shown::file ? chapter.apart : chapter.tables).push_back(std::move(table));
+  }
+  chapter.first_figures =
+      static_cast<std::size_t>(std::ranges::count(figures->figures, true, &Figure::is_first));
+  append(chapter, std::move(figures->figures));
   return chapter;
 }
 
 }  // namespace
 
 Chapter read_chapter(const std::filesystem::path& path, bool paper) {
-  static const std::map<StudyKind, Chapter (*)(const std::filesystem::path&, bool)> kChapters{
-      {StudyKind::accuracy, accuracy_chapter},
-      {StudyKind::threshold_sweep, sweep_chapter},
-      {StudyKind::calibration, calibration_chapter},
-      {StudyKind::recording, recording_chapter},
-      {StudyKind::variations, variations_chapter}};
-  Chapter chapter = kChapters.at(results_kind(path))(path, paper);
-  chapter.first_tables = std::min(chapter.first_tables, chapter.tables.size());
-  chapter.first_figures = std::min(chapter.first_figures, chapter.figures.size());
-  return chapter;
+  const ResultsHead head = read_results_head(path);
+  return head.kind == StudyKind::accuracy ? accuracy_chapter(path, paper) : stored_chapter(path, head);
 }
 
 }  // namespace trilat

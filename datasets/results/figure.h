@@ -67,9 +67,10 @@ struct Figure {
   std::vector<FigureSeries> series{};
   std::vector<FigureBand> bands{};
   std::vector<FigureLine> lines{};
+  bool is_first = false;  // of those that answer the study's question
 
   TRILAT_FIELDS(id, title, caption, x_label, y_label, log_x, log_y, width, x_names, y_names, panels, series,
-                bands, lines)
+                bands, lines, is_first)
 };
 
 // figures.json, beside a study's summary.json.

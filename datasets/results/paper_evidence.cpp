@@ -2,72 +2,59 @@
 #include "datasets/results/paper_evidence.h"
 
 #include <algorithm>
-#include <map>
+#include <array>
 
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
-bool PaperEvidence::any_simulated() const {
-  return (walking && walking->simulated) || (occluded && occluded->simulated) ||
-         std::ranges::any_of(sensor_counts, [](const ResultsSummary& s) { return s.simulated; }) || sweep ||
-         calibration || recording;
+namespace {
+
+// The studies that speak of the paper, and the kind of each.
+bool speaks_of_the_paper(const ResultsHead& head) {
+  if (head.kind == StudyKind::accuracy)
+    return head.study == "table3" || head.study == "table2" || head.study.starts_with("sensors_");
+  return (head.kind == StudyKind::threshold_sweep && head.study == "table1_search") ||
+         (head.kind == StudyKind::calibration && head.study == "calibration") ||
+         (head.kind == StudyKind::recording && head.study == "table4");
 }
 
-std::vector<ClaimNumber> PaperEvidence::claims() const {
-  std::vector<ClaimNumber> numbers;
-  const auto add = [&](const auto& summary) {
-    numbers.insert(numbers.end(), summary.claims.begin(), summary.claims.end());
-  };
-  const auto add_any = [&](const auto& summary) {
-    if (summary) add(*summary);
-  };
-  add_any(walking);
-  add_any(occluded);
-  std::ranges::for_each(sensor_counts, add);
-  add_any(sweep);
-  add_any(calibration);
-  add_any(recording);
-  return numbers;
+}  // namespace
+
+ResultsHead read_results_head(const std::filesystem::path& folder) {
+  const Json json = read_results_json(folder);
+  const std::string place = (folder / "summary.json").string();
+  JsonObject object(json, place, "");
+  ResultsHead head{results_kind(object), object.text("study"), object.boolean("simulated", true), {}};
+  if (!json.contains("claims")) return head;
+  if (!json["claims"].is_array()) object.refuse("claims", "must be a list");
+  for (std::size_t k = 0; k < json["claims"].size(); ++k)
+    head.claims.push_back(
+        read_as<ClaimNumber>(JsonObject(json["claims"][k], place, fmt::format("/claims/{}", k))));
+  return head;
 }
 
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results) {
   PaperEvidence evidence;
   std::map<std::string, std::filesystem::path> known;
-  const auto is_first = [&](const std::string& study, const std::filesystem::path& folder) {
-    const auto [found, is_new] = known.emplace(study, folder);
+  for (const std::filesystem::path& folder : results) {
+    const ResultsHead head = read_results_head(folder);
+    if (!speaks_of_the_paper(head)) continue;
+    const auto [found, is_new] = known.emplace(head.study, folder);
     if (!is_new)
       throw InputError(folder.string(),
                        fmt::format("holds results of the study \"{}\", as {} does; the paper's claims are "
                                    "judged by one of them",
-                                   study, found->second.string()));
-    return true;
-  };
-  const auto take = [&](auto& slot, auto summary, const std::filesystem::path& folder) {
-    if (is_first(summary.study, folder)) slot = std::move(summary);
-  };
-  for (const std::filesystem::path& folder : results) {
-    const StudyKind kind = results_kind(folder);
-    if (kind == StudyKind::accuracy) {
-      ResultsSummary summary = read_summary(folder);
-      if (summary.study == "table3")
-        take(evidence.walking, std::move(summary), folder);
-      else if (summary.study == "table2")
-        take(evidence.occluded, std::move(summary), folder);
-      else if (summary.study.starts_with("sensors_") && is_first(summary.study, folder))
-        evidence.sensor_counts.push_back(std::move(summary));
-    } else if (kind == StudyKind::calibration) {
-      if (auto summary = read_results<CalibrationSummary>(folder); summary.study == "calibration")
-        take(evidence.calibration, std::move(summary), folder);
-    } else if (kind == StudyKind::recording) {
-      if (auto summary = read_results<RecordingSummary>(folder); summary.study == "table4")
-        take(evidence.recording, std::move(summary), folder);
-    } else if (kind == StudyKind::threshold_sweep) {
-      if (auto summary = read_results<SweepSummary>(folder); summary.study == "table1_search")
-        take(evidence.sweep, std::move(summary), folder);
-    }
+                                   head.study, found->second.string()));
+    evidence.any_simulated |= head.simulated;
+    evidence.is_of_the_paper |= head.study == "table3" || head.study == "table2";
+    evidence.claims.insert(evidence.claims.end(), head.claims.begin(), head.claims.end());
+    if (head.study == "table3") evidence.walking = read_summary(folder);
+    if (const auto stored = read_beside<StoredTables>(folder))
+      evidence.errata.insert(stored->errata.begin(), stored->errata.end());
   }
   return evidence;
 }

@@ -7,29 +7,29 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/studies/calibration_summary.h"
-#include "datasets/results/studies/recording_summary.h"
-#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/claims.h"
+#include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
 
-// The results that what the paper says is held against, as far as there are any: each by the name of its
-// study.
-struct PaperEvidence {
-  std::optional<ResultsSummary> walking;      // table3
-  std::optional<ResultsSummary> occluded;     // table2
-  std::vector<ResultsSummary> sensor_counts;  // sensors_RIG, one for each rig
-  std::optional<SweepSummary> sweep;          // table1_search
-  std::optional<CalibrationSummary> calibration;
-  std::optional<RecordingSummary> recording;  // table4
+// What every summary.json says, whatever its kind.
+struct ResultsHead {
+  StudyKind kind = StudyKind::accuracy;
+  std::string study;
+  bool simulated = true;
+  std::vector<ClaimNumber> claims;  // what the study says of the paper
+};
+// InputError with the place when `folder` holds no results of this version.
+ResultsHead read_results_head(const std::filesystem::path& folder);
 
-  // Whether there is anything of Tables II or III, so that a list of claims says something.
-  bool is_of_the_paper() const { return walking.has_value() || occluded.has_value(); }
-  // Whether anything here comes from simulated sensors.
-  bool any_simulated() const;
-  // All numbers that the studies stored for the paper's claims.
-  std::vector<ClaimNumber> claims() const;
+// What results say about the paper, as their studies stored it.
+struct PaperEvidence {
+  std::optional<ResultsSummary> walking;      // of the study table3
+  bool is_of_the_paper = false;               // whether there is anything of Tables II or III
+  bool any_simulated = false;                 // whether anything here comes from simulated sensors
+  std::vector<ClaimNumber> claims;            // of the paper's claims and errata
+  std::map<std::string, std::string> errata;  // what an erratum does besides, by its id
 };
 
 // Of results folders of any kind. InputError with the place when one holds no results of this version, or two

@@ -22,16 +22,6 @@ std::int64_t version_of(StudyKind kind) {
   return kind == StudyKind::recording ? 2 : 1;
 }
 
-StudyKind read_head(JsonObject& object) {
-  if (object.text("format") != kFormat) object.refuse("format", std::string("must be \"") + kFormat + '"');
-  const auto kind = static_cast<StudyKind>(object.choice("kind", kKinds, 0));
-  if (object.integer("version") != version_of(kind))
-    object.refuse("version",
-                  fmt::format("is another version; this program reads version {} of results of kind \"{}\"",
-                              version_of(kind), name_of(kind)));
-  return kind;
-}
-
 // Of a place where no results are.
 std::string what_it_is_instead(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
@@ -64,7 +54,17 @@ Json read_results_json(const std::filesystem::path& folder) {
 StudyKind results_kind(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   JsonObject object(json, (folder / "summary.json").string(), "");
-  return read_head(object);
+  return results_kind(object);
+}
+
+StudyKind results_kind(JsonObject& summary) {
+  if (summary.text("format") != kFormat) summary.refuse("format", std::string("must be \"") + kFormat + '"');
+  const auto kind = static_cast<StudyKind>(summary.choice("kind", kKinds, 0));
+  if (summary.integer("version") != version_of(kind))
+    summary.refuse("version",
+                   fmt::format("is another version; this program reads version {} of results of kind \"{}\"",
+                               version_of(kind), name_of(kind)));
+  return kind;
 }
 
 Json results_head(StudyKind kind) {
@@ -72,7 +72,7 @@ Json results_head(StudyKind kind) {
 }
 
 void check_results_head(JsonObject& object, StudyKind wanted) {
-  const StudyKind kind = read_head(object);
+  const StudyKind kind = results_kind(object);
   if (kind != wanted)
     object.refuse(
         "kind", "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");

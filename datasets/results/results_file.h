@@ -20,11 +20,12 @@ StudyKind study_kind(const Json& study, const std::string& place);
 
 // Which reader `folder` wants; InputError when it is no results folder of this version.
 StudyKind results_kind(const std::filesystem::path& folder);
+StudyKind results_kind(JsonObject& summary);  // the same of its summary.json
 
 // The parts that the summaries of every kind share.
 Json read_results_json(const std::filesystem::path& folder);  // summary.json
 Json results_head(StudyKind kind);                            // its first keys
-// Refuses other formats, versions and kinds. A summary without a kind is one of accuracy.
+// Refuses other formats, versions and kinds.
 void check_results_head(JsonObject& object, StudyKind wanted);
 
 // InputError where manifest.json and the summary beside it, of this kind, study and campaign, are of

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace trilat {
 namespace {
 
@@ -41,6 +43,25 @@ std::vector<TableValue> row_by_key(const Table& table,
     row.at(static_cast<std::size_t>(std::ranges::find(table.columns, key, &TableColumn::key) -
                                     table.columns.begin())) = cell;
   return row;
+}
+
+std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {
+  std::vector<std::pair<std::string, std::uint64_t>> sorted(statuses.begin(), statuses.end());
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (const auto& [name, n] : sorted) {
+    const double share = 100.0 * static_cast<double>(n) / static_cast<double>(asked);
+    const std::string number = share < 0.05                 ? "<0.1"
+                               : share > 99.95 && n < asked ? ">99.9"
+                                                            : fmt::format("{:.1f}", share);
+    text += (text.empty() ? "" : ", ") + name + " " + number + " %";
+  }
+  return text;
+}
+
+void Table::check(const JsonObject& object) const {
+  for (const std::vector<TableValue>& row : rows)
+    if (row.size() != columns.size()) object.refuse("rows", "must have a cell for each column");
 }
 
 std::string usable_id(std::string text) {

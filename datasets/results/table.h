@@ -57,15 +57,26 @@ std::string usable_id(std::string text);
 
 // A table as data; renderings are made from it and never compute.
 struct Table {
+  // Where: with what answers the study's question, among the details, or as a file alone, because it is long.
+  enum class Shown : std::uint8_t { first, detail, file };
   std::string id;     // usable_id(): a file name and a LaTeX label
   std::string title;  // what was measured on what, with every setting that changes a number; says "simulated"
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;
   std::vector<std::string> notes;  // one sentence each
   std::uint64_t first_rows = 0;    // what a reader sees before asking for more; 0: all
+  Shown shown = Shown::detail;
 
-  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows)
+  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, shown)
+  void check(const JsonObject& object) const;
 };
+
+// Adds the sentences of a section of notes.md, where {name} stands for what `names` has.
+void add_notes(Table& table, const std::string& section,
+               const std::map<std::string, std::string>& names = {});
+
+// "converged 98.1 %, diverged 1.9 %", the most first.
+std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked);
 
 // Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
 inline TableValue number_cell(int decimals, double value, double low = kNoNumber, double high = kNoNumber) {
@@ -158,12 +169,17 @@ Table table_of(
 std::vector<TableValue> row_by_key(const Table& table,
                                    std::initializer_list<std::pair<const char*, TableValue>> cells);
 
-// tables.json, beside a study's summary.json: what the study shows, as it is rendered.
+// tables.json, beside a study's summary.json: what the study shows, as it is rendered. Sentences are marked
+// up as in Markdown, with **bold** and `code`.
 struct StoredTables {
   static constexpr const char *kFile = "tables.json", *kFormat = "trilat.tables";
-  std::vector<Table> tables;  // those that answer the study's question first
+  std::string about;                   // one sentence: how much of what, simulated or recorded
+  std::vector<std::string> findings;   // what it found, one or two sentences each, the first ones first
+  std::vector<std::string> sentences;  // what else it says
+  std::map<std::string, std::string> errata;  // what an erratum of the paper does here, by its id
+  std::vector<Table> tables;                  // those that answer the study's question first
 
-  TRILAT_FIELDS(tables)
+  TRILAT_FIELDS(about, findings, sentences, errata, tables)
 };
 
 }  // namespace trilat

@@ -13,9 +13,10 @@
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/calibration_summary.h"
 #include "datasets/session/session_types.h"
 #include "evaluators/wand/printed_wand.h"
+#include "pipeline/calibration_study/calibration_summary.h"
+#include "pipeline/calibration_study/calibration_tables.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/calibration_study/wand_samples.h"
@@ -226,8 +227,13 @@ Study calibration_study(const CalibrationSpec& spec) {
   return {.kind = name_of(StudyKind::calibration),
           .settings = resolved,
           .items = std::move(items),
-          .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
-                           const Watch&) { write_results(results, summarise(spec, outcomes), -1); },
+          .reduce =
+              [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
+                const CalibrationSummary summary = summarise(spec, outcomes);
+                write_beside(results, calibration_tables(summary));
+                write_beside(results, StoredFigures{calibration_figures(summary)});
+                write_results(results, summary, -1);
+              },
           .manifest = [resolved] { return manifest_of_generated(resolved); }};
 }
 

@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 
 #include "datasets/base/described.h"
-#include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/results/studies/calibration_summary.h"
 #include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/study/study.h"
 

@@ -67,8 +67,8 @@ std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
 
 std::optional<PaperFindings> judge_paper(const std::vector<std::filesystem::path>& results) {
   PaperFindings findings{read_paper_evidence(results), {}, {}};
-  if (!findings.evidence.is_of_the_paper()) return std::nullopt;
-  const std::vector<ClaimNumber> numbers = findings.evidence.claims();
+  if (!findings.evidence.is_of_the_paper) return std::nullopt;
+  const std::vector<ClaimNumber>& numbers = findings.evidence.claims;
   findings.claims = judge_claims(paper_claims(), numbers);
   for (const ErratumEffect& effect : erratum_effects())
     for (const ClaimNumber& number : numbers)

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "datasets/results/studies/calibration_summary.h"
-#include "datasets/results/studies/recording_summary.h"
-#include "datasets/results/studies/sweep_summary.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/claims/claim_number.h"
+#include "pipeline/recording/recording_summary.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 

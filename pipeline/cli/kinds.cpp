@@ -6,15 +6,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/results/studies/variations_summary.h"
+#include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/built_in.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "pipeline/variations/variations_study.h"
+#include "pipeline/variations/variations_summary.h"
 #include "reports/render/render.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
@@ -68,24 +68,23 @@ OpenedStudy open_variations(const RunArguments& arguments, const Json& study) {
   return variations;
 }
 
-int print_tables(const std::filesystem::path& results, const std::vector<Table>& tables, Json document,
-                 const Shown& shown) {
+// What a study stored to be shown.
+int print_stored(const std::filesystem::path& results, Json document, const Shown& shown) {
   if (shown.json) {
     document.update(Json{{"results", results.string()}, {"simulated", true}});
     fmt::print("{}\n", json_text(document, 2));
     return kDone;
   }
-  for (const Table& table : tables) fmt::print("{}\n", markdown_of(table));
+  const StoredTables stored = read_beside<StoredTables>(results).value();
+  for (const Table& table : stored.tables) fmt::print("{}\n", markdown_of(table));
+  for (const std::string& sentence : stored.findings) fmt::print("{}\n", sentence);
   fmt::print("results: {}\n", results.string());
   return kDone;
 }
 
 int print_variations(const std::filesystem::path& results, Json document, const Shown& shown) {
+  print_stored(results, std::move(document), shown);
   const VariationsSummary summary = read_results<VariationsSummary>(results);
-  const auto tables = read_beside<StoredTables>(results);
-  print_tables(results, tables ? tables->tables : std::vector<Table>{}, std::move(document), shown);
-  for (const std::string& sentence : summary.sentences)
-    if (!shown.json) fmt::print("{}\n", sentence);
   if (summary.failed() == 0) return kDone;
   fmt::print(stderr, "failed: {} of {} campaigns have no errors; {} names why\n", summary.failed(),
              summary.points.size(), (results / "points.csv").string());
@@ -101,18 +100,9 @@ const std::vector<Kind>& kinds() {
        "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_sweep,
        sweep_schema},
       {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
-       [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(results, calibration_tables(read_results<CalibrationSummary>(results)),
-                             std::move(document), shown);
-       },
-       calibration_study_schema},
+       print_stored, calibration_study_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
-       [](const std::filesystem::path& results, Json document, const Shown& shown) {
-         return print_tables(
-             results, table4(read_results<RecordingSummary>(results), read_beside<StageTimings>(results)),
-             std::move(document), shown);
-       },
-       recording_schema},
+       print_stored, recording_schema},
       {StudyKind::variations, "campaigns",
        "a study of variations simulates its own campaigns; say in the study, as \"simulation\", what they "
        "have in "

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/results/studies/variations_summary.h"
 #include "datasets/results/summary.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/built_in.h"
@@ -20,6 +19,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/study/machine.h"
+#include "pipeline/variations/variations_summary.h"
 #include "reports/write_report.h"
 
 namespace trilat {

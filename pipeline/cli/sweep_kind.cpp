@@ -5,8 +5,7 @@
 
 #include "pipeline/cli/kinds.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/tables.h"
+#include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "datasets/results/studies/recording_summary.h"
 #include "pipeline/recording/clock_methods.h"
 #include "pipeline/recording/recording_study.h"
+#include "pipeline/recording/recording_summary.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

@@ -8,12 +8,14 @@
 
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/figure.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/recording_summary.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/recording/clock_errors.h"
 #include "pipeline/recording/processing_time.h"
+#include "pipeline/recording/recording_summary.h"
+#include "pipeline/recording/recording_tables.h"
 #include "pipeline/study/machine.h"
 
 namespace trilat {
@@ -193,8 +195,13 @@ Study recording_study(const RecordingSpec& spec) {
                   [spec](const std::filesystem::path& folder) {
                     write_declared_parameters(folder, recording_parameters(spec));
                   },
-              .reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results,
-                               const Watch&) { write_results(results, summarise(spec, outcomes), -1); },
+              .reduce =
+                  [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
+                    const RecordingSummary summary = summarise(spec, outcomes);
+                    write_beside(results, recording_tables(summary, read_beside<StageTimings>(results)));
+                    write_beside(results, StoredFigures{});
+                    write_results(results, summary, -1);
+                  },
               .manifest = [resolved] { return manifest_of_generated(resolved); }};
   if (!spec.methods.empty())
     study.time = [spec](const std::filesystem::path& folder, const Watch& watch) {

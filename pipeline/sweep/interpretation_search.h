@@ -2,7 +2,7 @@
 #pragma once
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/studies/sweep_summary.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 

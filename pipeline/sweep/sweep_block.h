@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "datasets/results/studies/sweep_summary.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
 #include "pipeline/sweep/sweep_plan.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 

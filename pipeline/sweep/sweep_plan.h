@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/results/studies/sweep_summary.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "pipeline/sweep/sweep_spec.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 

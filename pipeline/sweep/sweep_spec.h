@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "datasets/base/strict_json.h"
-#include "datasets/results/studies/sweep_summary.h"
 #include "datasets/synthetic/range_trials.h"
 #include "evaluators/solvers/descent.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 

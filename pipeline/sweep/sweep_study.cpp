@@ -12,7 +12,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/machine.h"
@@ -20,6 +19,8 @@
 #include "pipeline/sweep/interpretation_search.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_plan.h"
+#include "pipeline/sweep/sweep_summary.h"
+#include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {
 namespace {
@@ -259,6 +260,9 @@ Study sweep_study(const SweepPlan& whole) {
                   [plan](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
                     SweepSummary summary = summary_of(*plan, cells_of(*plan, outcomes));
                     summary.claims = claims_of(summary);
+                    const auto timings = read_beside<SweepTimings>(results);
+                    write_beside(results, sweep_tables(summary, timings));
+                    write_beside(results, StoredFigures{sweep_figures(summary, timings)});
                     write_results(results, summary);
                   },
               .manifest = [plan] { return manifest_of_sweep(*plan); }};

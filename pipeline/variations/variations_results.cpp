@@ -315,14 +315,25 @@ void analyse(VariationsSummary& summary) {
   summary.sentences = sentences_of(summary);
 }
 
-std::vector<Table> variation_tables(const VariationsSummary& s) {
-  if (s.ranges.empty()) return {patches_table(s)};
-  return {shares_table(s), best_table(s), deciding_table(s), ranges_table(s)};
+StoredTables variation_tables(const VariationsSummary& s) {
+  StoredTables shown;
+  shown.about = fmt::format(
+      "Variations of a simulation, **simulated**: {} campaigns of {} participant{} each, seed {}.",
+      s.points.size(), s.participants, s.participants == 1 ? "" : "s", s.seed);
+  shown.findings = s.sentences;
+  if (s.ranges.empty())
+    shown.tables = {patches_table(s)};
+  else
+    shown.tables = {shares_table(s), best_table(s), deciding_table(s), ranges_table(s)};
+  shown.tables.front().shown = Table::Shown::first;
+  return shown;
 }
 
 std::vector<Figure> variation_figures(const VariationsSummary& s) {
-  if (s.ranges.empty()) return {patches_figure(s)};
-  return s.comparisons.empty() ? std::vector<Figure>{} : std::vector{shares_figure(s)};
+  if (!s.ranges.empty() && s.comparisons.empty()) return {};
+  Figure figure = s.ranges.empty() ? patches_figure(s) : shares_figure(s);
+  figure.is_first = true;
+  return {std::move(figure)};
 }
 
 }  // namespace trilat

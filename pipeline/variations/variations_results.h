@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "datasets/results/figure.h"
-#include "datasets/results/studies/variations_summary.h"
 #include "datasets/results/table.h"
+#include "pipeline/variations/variations_summary.h"
 
 namespace trilat {
 
@@ -15,7 +15,7 @@ namespace trilat {
 void analyse(VariationsSummary& summary);
 
 // What a study of patches, or of ranges, shows.
-std::vector<Table> variation_tables(const VariationsSummary& summary);
+StoredTables variation_tables(const VariationsSummary& summary);
 std::vector<Figure> variation_figures(const VariationsSummary& summary);
 
 }  // namespace trilat

@@ -8,10 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/results/studies/variations_summary.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/study/hash_cache.h"
+#include "pipeline/variations/variations_summary.h"
 
 namespace trilat {
 

@@ -4,12 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/median.h"
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
 #include "reports/claims/claims.h"
-#include "reports/tables/calibration_findings.h"
 
 namespace trilat {
 namespace {
@@ -98,77 +96,15 @@ void audit_words(Table& table, const PrintedErrata& errata) {
           "named, and shown");
 }
 
-std::string wand_effect(const PaperEvidence& e, const std::string& erratum) {
-  if (!e.calibration) return {};
-  for (const std::string& sentence : wand_errata_sentences(*e.calibration))
-    if (const std::string start = erratum + ": "; sentence.starts_with(start)) {
-      const auto measured = sentence.rfind("; inside the recommended range, ");
-      return measured == std::string::npos ? std::string() : sentence.substr(measured + 2);
-    }
-  return {};
-}
-
-std::string pose_effect(const PaperEvidence& e) {
-  if (!e.calibration) return {};
-  const RigRow* printed = rig_row(*e.calibration, "two positions, eq. 6 and 7 as printed");
-  const RigRow* corrected = rig_row(*e.calibration, "two positions, corrected");
-  if (!printed || !corrected) return {};
-  return fmt::format("E4 and E5 together: sensors off by {} ({} of {} without a pose) against {} corrected",
-                     mean_text(printed->position), printed->position.asked - printed->position.answered,
-                     printed->position.asked, mean_text(corrected->position));
-}
-
-std::string clock_effect(const PaperEvidence& e) {
-  if (!e.recording || e.recording->clocks.empty()) return {};
-  const auto median_ms = [&](const std::string& method) {
-    for (const ClockErrorRow& row : e.recording->clocks)
-      if (row.method == method) return 1e3 * row.error.median_s;
-    return kNoNumber;
-  };
-  return fmt::format("taken for the server's clock, a median error of {:.3g} ms; corrected {:.3g} ms ({})",
-                     median_ms("as printed, for the server's clock"), median_ms("corrected"),
-                     e.recording->clocks.front().network);
-}
-
-std::string steps_effect(const PaperEvidence& e) {
-  if (!e.sweep || !e.sweep->search || e.sweep->search->compromises.empty()) return {};
-  const SweepCompromise& c = e.sweep->search->compromises.front();
-  const auto most = [](const std::vector<double>& factors) { return *std::ranges::max_element(factors); };
-  return fmt::format(
-      "from C = 1 to 1e-6 a solve takes up to {:.3g} times the steps as printed, {:.2g} times corrected",
-      most(c.printed_iterations_factor), most(c.corrected_iterations_factor));
-}
-
-// How exactly 5000 trials give a mean, from the spread of ours: the median over readings and cells.
-std::string mean_spread_effect(const PaperEvidence& e) {
-  constexpr double kPapersSets = 5000.0;
-  std::vector<double> shares;
-  for (std::size_t c = 0; e.sweep && c < e.sweep->cells.size(); ++c) {
-    const SweepCell& cell = e.sweep->cells[c];
-    const double share =
-        cell.mae_standard_error_m * std::sqrt(static_cast<double>(cell.answered) / kPapersSets) / cell.mae_m;
-    if (std::isfinite(share)) shares.push_back(share);
-  }
-  if (shares.empty()) return {};
-  return fmt::format(
-      "the mean of 5000 of our trials has a standard error of {:.1f} %, the median over readings and cells",
-      100.0 * upper_median(shares));
-}
-
 std::string both(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + "; " + b;
 }
 
 std::string effect_of(const std::string& erratum, const PaperFindings& findings) {
-  const PaperEvidence& e = findings.evidence;
-  if (erratum == "E1" || erratum == "E2" || erratum == "E3" || erratum == "E17")
-    return wand_effect(e, erratum);
-  if (erratum == "E4" || erratum == "E5" || erratum == "E19") return pose_effect(e);
-  if (erratum == "E18") return mean_spread_effect(e);
-  if (erratum == "E11") return clock_effect(e);
-  const auto found = findings.errata.find(erratum);
-  const std::string text = found == findings.errata.end() ? std::string() : numbers_text(found->second);
-  return erratum == "E7" ? both(steps_effect(e), text) : text;
+  const auto stored = findings.evidence.errata.find(erratum);
+  const auto numbers = findings.errata.find(erratum);
+  return both(stored == findings.evidence.errata.end() ? std::string() : stored->second,
+              numbers == findings.errata.end() ? std::string() : numbers_text(numbers->second));
 }
 
 }  // namespace
@@ -199,7 +135,7 @@ Table errata_table(const PaperFindings& findings) {
   };
   Table table = table_of<R>("errata",
                             std::string("What is printed that cannot be so, and what the difference does") +
-                                (findings.evidence.any_simulated() ? " (simulated)" : ""),
+                                (findings.evidence.any_simulated ? " (simulated)" : ""),
                             printed_errata().errata,
                             {{"erratum", "erratum", as_text(&R::id)},
                              {"where", "where", as_text(&R::where)},

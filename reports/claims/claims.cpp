@@ -51,7 +51,7 @@ Table claims_table(const PaperFindings& findings) {
   Table table = table_of<R>(
       "claims",
       fmt::format("The paper's claims and what becomes of them{}",
-                  findings.evidence.any_simulated() ? ", with simulated sensors" : ""),
+                  findings.evidence.any_simulated ? ", with simulated sensors" : ""),
       findings.claims,
       {{"claim", "claim", as_text(&R::claim)},
        {"verdict", "verdict", as_text(&R::verdict)},
@@ -61,7 +61,7 @@ Table claims_table(const PaperFindings& findings) {
        {"p, corrected", "p", as_text(p_text)},
        {"where", "where", as_text(&R::where)}});
   add_notes(table, "paper_claims", {{"source", printed_errata().source}});
-  if (findings.evidence.any_simulated()) add_notes(table, "simulated_claims");
+  if (findings.evidence.any_simulated) add_notes(table, "simulated_claims");
   return table;
 }
 

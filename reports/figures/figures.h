@@ -8,9 +8,6 @@
 
 #include "datasets/results/figure.h"
 #include "datasets/results/gate_history.h"
-#include "datasets/results/studies/calibration_summary.h"
-#include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/timings.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -24,17 +21,8 @@ Figure methods_figure(const ResultsSummary& summary, const std::string& conditio
 std::optional<Figure> history_figure(const History& history);
 std::vector<std::string> history_sentences(const History& history);
 
-// The paper's two calibration figures, from simulated samples: error against distance and angle, and depth
-// error against image column. Each needs its part of the study.
-std::vector<Figure> calibration_figures(const CalibrationSummary& summary);
-
 // Families named "METHOD, N sensors": error against N.
 std::vector<Figure> sensor_counts_figure(const ResultsSummary& summary);
-
-// Error, steps, share of answers and, where it was measured, time over the threshold C: a panel for each rig,
-// error model and range of errors, a line for each other choice. With the paper's grid its Table I stands
-// beside.
-std::vector<Figure> sweep_figures(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
 
 // Heights of single joints over time, as in the paper's figures: for the first evaluated take of each
 // condition one figure with the truth and a few methods, of the right wrist, elbow or ankle (the paper's

@@ -75,20 +75,6 @@ void add_take_notes(const ResultsSummary& summary, Table& table) {
         note.place, note.text));
 }
 
-std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {
-  std::vector<std::pair<std::string, std::uint64_t>> sorted(statuses.begin(), statuses.end());
-  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
-  std::string text;
-  for (const auto& [name, n] : sorted) {
-    const double share = 100.0 * static_cast<double>(n) / static_cast<double>(asked);
-    const std::string number = share < 0.05                 ? "<0.1"
-                               : share > 99.95 && n < asked ? ">99.9"
-                                                            : fmt::format("{:.1f}", share);
-    text += (text.empty() ? "" : ", ") + name + " " + number + " %";
-  }
-  return text;
-}
-
 std::string error_text(const SummaryCell& c) {
   std::string text = fmt::format("{:.1f} cm", c.mae_m * kCentimetresPerMetre);
   if (!std::isnan(c.mae_low_m))

@@ -43,7 +43,4 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& summary);
 // Ceres; and, where they are not said elsewhere, failed takes and notes of the checks.
 std::vector<std::string> accuracy_warnings(const ResultsSummary& summary, bool with_notes = true);
 
-// "converged 99.8 %, too_few_ranges 0.2 %", the most frequent first.
-std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked);
-
 }  // namespace trilat

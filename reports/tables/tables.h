@@ -5,20 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "datasets/paper/printed_tables.h"
-#include "datasets/results/studies/calibration_summary.h"
-#include "datasets/results/studies/recording_summary.h"
-#include "datasets/results/studies/sweep_summary.h"
-#include "datasets/results/studies/timings.h"
 #include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
 
 namespace trilat {
-
-// Adds the sentences of a section of notes.md, where {name} stands for what `names` has.
-void add_notes(Table& table, const std::string& section,
-               const std::map<std::string, std::string>& names = {});
 
 // One table a condition and alignment: every group and method with n, coverage, statuses and all statistics;
 // behind it the differences from the reference, and behind those of a condition its whole bodies.
@@ -67,17 +58,6 @@ Table bodies_table(const ResultsSummary& summary, const std::string& condition);
 // are group-bys of it.
 std::vector<Table> apart_tables(const ResultsSummary& summary);
 
-// The tables of a calibration study beside the paper's statements; a part that was not run gives none.
-std::vector<Table> calibration_tables(const CalibrationSummary& summary);
-
-// Finding the wand: every method in every scene, and two of them by distance and by angle.
-Table calibration_wand_table(const CalibrationSummary& summary);
-Table calibration_bins_table(const CalibrationSummary& summary);
-// A flat wall: the paper's bad columns against those between them, one row a unit.
-Table calibration_distortion_table(const CalibrationSummary& summary);
-// The poses of whole rigs, one row a method.
-Table calibration_rigs_table(const CalibrationSummary& summary);
-
 // What a run says of how its sensors tracked: which views each rule rejects, by joint and by sensor;
 // exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
@@ -89,38 +69,6 @@ std::string correction_text(const CorrectionRow& row);
 std::vector<Table> prediction_tables(const TrackingSummary& summary);
 // One take's disagreement along and across the rays, in one line.
 std::string ray_text(const RayRow& row);
-
-// Table IV beside the paper's: clock errors, what the queue drops, what the corrected fit says of itself,
-// and, where it was timed, what a frame costs.
-std::vector<Table> table4(const RecordingSummary& summary, const std::optional<StageTimings>& timings);
-// The paper's frames by processing time, or its samples by clock error, as ours are counted.
-TimeSpread printed_table4_times(std::uint64_t PrintedTable4::Row::*count);
-
-Table table4_clocks(const RecordingSummary& summary);
-// `timings`: the share of the frames that are processed in time comes from them.
-Table table4_queue(const RecordingSummary& summary, const std::optional<StageTimings>& timings);
-Table table4_fits(const RecordingSummary& summary);
-Table table4_processing(const StageTimings& timings);
-
-// The paper's Table I beside ours, one table for each reading that was run with the printed and with the
-// corrected gradient: propagation error, iterations and time of a solve. Empty when the sweep's thresholds or
-// error ranges are not the paper's.
-std::vector<Table> table1(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
-
-// The answer of an interpretation search: the readings that fit the printed errors best, those that fit the
-// printed times, and what the smallest threshold costs with either gradient. Empty without a search.
-std::vector<Table> search_tables(const SweepSummary& summary);
-
-// Every number of every cell, with each of its settings in a column.
-Table sweep_table(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
-// The readings worth a figure: all of a few, of many those that lead a ranking.
-std::vector<std::size_t> readings_in_full(const SweepSummary& summary);
-
-// Of a cell; none when it was not timed.
-const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);
-
-// A sentence or two a person can take away from the search; empty without one.
-std::vector<std::string> search_sentences(const SweepSummary& summary);
 
 // The summary without the methods that stand for one of several sets of sensors: the figure of numbers of
 // sensors has them together. The rows by take stay whole.

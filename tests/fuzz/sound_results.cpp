@@ -4,12 +4,13 @@
 #include "datasets/base/files.h"
 #include "datasets/results/gate_history.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/calibration_study/calibration_tables.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "pipeline/variations/variations_study.h"
+#include "tests/fuzz/calibration_summaries.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/sweeps.h"
-#include "tests/reports/calibration_summaries.h"
 
 namespace trilat {
 namespace {
@@ -87,7 +88,10 @@ void write_sound_results(const fs::path& scratch) {
   write_sweep(scratch);
   write_recording(scratch);
   make_folder(scratch / "calibration");
-  write_results(scratch / "calibration", hand_made_calibration());
+  const CalibrationSummary calibration = hand_made_calibration();
+  write_beside(scratch / "calibration", calibration_tables(calibration));
+  write_beside(scratch / "calibration", StoredFigures{calibration_figures(calibration)});
+  write_results(scratch / "calibration", calibration);
   write_variations(scratch / "variations");
   write_gate_files(scratch / "gate");
 }

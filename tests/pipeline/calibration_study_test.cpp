@@ -13,7 +13,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/calibration_summary.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/calibration_study/wand_samples.h"

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/results/studies/sweep_summary.h"
 #include "datasets/results/studies/timings.h"
 #include "pipeline/sweep/sweep_block.h"
+#include "pipeline/sweep/sweep_summary.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
 

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "datasets/results/studies/sweep_summary.h"
 #include "pipeline/sweep/sweep_study.h"
+#include "pipeline/sweep/sweep_summary.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/support/scratch.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "datasets/base/units.h"
-#include "datasets/results/studies/calibration_summary.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 
 namespace trilat {
 

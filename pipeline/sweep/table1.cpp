@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tables/table1.h"
+#include "pipeline/sweep/table1.h"
 
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
-#include "reports/tables/tables.h"
+#include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {
 namespace {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/sweep/sweep_tables.h"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "datasets/base/median.h"
 #include "datasets/base/units.h"
-#include "datasets/results/table.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/tables.h"
+#include "pipeline/sweep/table1.h"
 
 namespace trilat {
 namespace {
@@ -151,8 +152,8 @@ std::string compromise_sentence(const SweepSummary& s, const SweepCompromise& c)
       span_text(c.corrected_error_factor), verdict_on(c));
 }
 
-}  // namespace
-
+// The readings that fit the printed errors best, those that fit the printed times, and what the smallest
+// threshold costs with either gradient. Empty without a search.
 std::vector<Table> search_tables(const SweepSummary& s) {
   if (!s.search) return {};
   std::vector<Table> tables{ranking_table(s, s.search->errors, true),
@@ -160,6 +161,8 @@ std::vector<Table> search_tables(const SweepSummary& s) {
   if (!s.search->compromises.empty()) tables.push_back(compromise_table(s));
   return tables;
 }
+
+}  // namespace
 
 std::vector<std::string> search_sentences(const SweepSummary& s) {
   std::vector<std::string> sentences;
@@ -200,6 +203,11 @@ const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, con
   return nullptr;
 }
 
+namespace {
+
+constexpr std::size_t kMostCells = 200;  // in a table that is shown
+
+// Every number of every cell, with each of its settings in a column.
 Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
   using R = SweepCell;
   const auto reading = [&](std::string SweepInterpretation::*member) {
@@ -252,6 +260,54 @@ Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timi
        {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}});
   add_notes(table, "sweep");
   return table;
+}
+
+// E7: what the printed gradient costs.
+std::string steps_effect(const SweepSummary& s) {
+  if (!s.search || s.search->compromises.empty()) return {};
+  const SweepCompromise& c = s.search->compromises.front();
+  const auto most = [](const std::vector<double>& factors) { return *std::ranges::max_element(factors); };
+  return fmt::format(
+      "from C = 1 to 1e-6 a solve takes up to {:.3g} times the steps as printed, {:.2g} times corrected",
+      most(c.printed_iterations_factor), most(c.corrected_iterations_factor));
+}
+
+// How exactly 5000 trials give a mean, from the spread of ours: the median over readings and cells.
+std::string mean_spread_effect(const SweepSummary& s) {
+  constexpr double kPapersSets = 5000.0;
+  std::vector<double> shares;
+  for (const SweepCell& cell : s.cells) {
+    const double share =
+        cell.mae_standard_error_m * std::sqrt(static_cast<double>(cell.answered) / kPapersSets) / cell.mae_m;
+    if (std::isfinite(share)) shares.push_back(share);
+  }
+  if (shares.empty()) return {};
+  return fmt::format(
+      "the mean of 5000 of our trials has a standard error of {:.1f} %, the median over readings and cells",
+      100.0 * upper_median(shares));
+}
+
+}  // namespace
+
+StoredTables sweep_tables(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+  StoredTables shown;
+  shown.about = fmt::format(
+      "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
+      s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials);
+  shown.findings = search_sentences(s);
+  shown.errata = {{"E7", steps_effect(s)}, {"E18", mean_spread_effect(s)}};
+  const auto add = [&](std::vector<Table> tables, Table::Shown where) {
+    for (Table& table : tables) {
+      table.shown = where;
+      shown.tables.push_back(std::move(table));
+    }
+  };
+  add(search_tables(s), Table::Shown::first);
+  add(table1(s, timings), s.search ? Table::Shown::detail : Table::Shown::first);
+  Table cells = sweep_table(s, timings);
+  const bool is_long = cells.rows.size() > kMostCells;
+  add({std::move(cells)}, is_long ? Table::Shown::file : Table::Shown::detail);
+  return shown;
 }
 
 }  // namespace trilat

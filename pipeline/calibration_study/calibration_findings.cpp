@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tables/calibration_findings.h"
+#include "pipeline/calibration_study/calibration_findings.h"
 
 #include <algorithm>
 #include <array>
@@ -152,7 +152,7 @@ std::string mean_text(const ErrorSpread& spread) {
                             spread.mean_high_m * kCentimetresPerMetre);
 }
 
-std::vector<std::string> wand_errata_sentences(const CalibrationSummary& s) {
+std::vector<WandErratum> wand_errata(const CalibrationSummary& s) {
   const double worst_m = worst_printed_m(s);
   const std::string worst = std::isfinite(worst_m) ? fmt::format(", up to {:.2f} cm sideways at the wall",
                                                                  worst_m * kCentimetresPerMetre)
@@ -171,11 +171,12 @@ std::vector<std::string> wand_errata_sentences(const CalibrationSummary& s) {
         "E2: eq. 4 as printed is linear in the angle where a lens is linear in the tangent" + worst},
        {"corrected, but E3 as printed",
         "E3: eq. 5 as printed adds a width in pixels to centimetres, and a width where a radius is meant"}}};
-  std::vector<std::string> sentences;
-  for (const auto& [method, why] : errata)
+  std::vector<WandErratum> found;
+  for (const auto& [method, problem] : errata)
     if (const std::string measured = beside_corrected(s, method); !measured.empty())
-      sentences.push_back(fmt::format("{}; inside the recommended range, {}.", why, measured));
-  return sentences;
+      found.push_back({problem.substr(0, problem.find_first_of(":,")), problem,
+                       "inside the recommended range, " + measured});
+  return found;
 }
 
 std::vector<std::string> calibration_sentences(const CalibrationSummary& s) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/calibration_study/calibration_tables.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,10 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/table.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/calibration_findings.h"
-#include "reports/tables/tables.h"
+#include "pipeline/calibration_study/calibration_findings.h"
 
 namespace trilat {
 namespace {
@@ -55,14 +54,13 @@ void widen(std::vector<Bin>& bins, double where) {
   bins.back().to = std::max(bins.back().to, where);
 }
 
-struct BinRow {
+struct WandBinRow {
   const WandRow* row;
   std::string by;
   Bin bin;
 };
 
-}  // namespace
-
+// Finding the wand: every method in every scene, and two of them by distance and by angle.
 Table calibration_wand_table(const CalibrationSummary& s) {
   using R = WandRow;
   using E = ErrorSpread;
@@ -110,13 +108,13 @@ Table calibration_wand_table(const CalibrationSummary& s) {
              {"to", fmt::format("{:g}", paper.recommended_m[1])},
              {"angle", fmt::format("{:g}", paper.recommended_below_deg)},
              {"source", paper.source}});
-  for (std::string& sentence : wand_errata_sentences(s)) table.notes.push_back(std::move(sentence));
+  for (const WandErratum& e : wand_errata(s)) table.notes.push_back(e.problem + "; " + e.effect + ".");
   add_notes(table, "wand_rows");
   return table;
 }
 
 Table calibration_bins_table(const CalibrationSummary& s) {
-  std::vector<BinRow> rows;
+  std::vector<WandBinRow> rows;
   for (const char* method : kMainWandMethods)
     for (std::size_t r = 0; r < s.wand.size(); ++r) {
       if (s.wand[r].method != method) continue;
@@ -133,28 +131,26 @@ Table calibration_bins_table(const CalibrationSummary& s) {
       for (const Bin& bin : distances) rows.push_back({&s.wand[r], "distance (m)", bin});
       for (const Bin& bin : angles) rows.push_back({&s.wand[r], "angle (degrees)", bin});
     }
-  Table table = table_of<BinRow>(
+  Table table = table_of<WandBinRow>(
       "bins",
       fmt::format("Error of one wand position by distance and by angle, simulated: {} units with {} samples "
                   "each, seed {}",
                   s.units, s.samples, s.seed),
       rows,
-      {{"method", "method", as_text([](const BinRow& r) { return r.row->method; })},
-       {"scene", "scene", as_text([](const BinRow& r) { return r.row->scene; })},
-       {"by", "by", as_text(&BinRow::by)},
-       {"from", "from", of(&BinRow::bin, as_number(-1, &Bin::from))},
-       {"to", "to", of(&BinRow::bin, as_number(-1, &Bin::to))},
-       {"n", "n", of(&BinRow::bin, as_count(&Bin::n))},
-       {"answered", "answered", of(&BinRow::bin, as_count(&Bin::answered))},
+      {{"method", "method", as_text([](const WandBinRow& r) { return r.row->method; })},
+       {"scene", "scene", as_text([](const WandBinRow& r) { return r.row->scene; })},
+       {"by", "by", as_text(&WandBinRow::by)},
+       {"from", "from", of(&WandBinRow::bin, as_number(-1, &Bin::from))},
+       {"to", "to", of(&WandBinRow::bin, as_number(-1, &Bin::to))},
+       {"n", "n", of(&WandBinRow::bin, as_count(&Bin::n))},
+       {"answered", "answered", of(&WandBinRow::bin, as_count(&Bin::answered))},
        {"distance: mean (cm)", "distance_mean_cm",
-        of(&BinRow::bin, in_cm([](const Bin& bin) { return bin.mean_m(bin.distance_sum_m); }))},
+        of(&WandBinRow::bin, in_cm([](const Bin& bin) { return bin.mean_m(bin.distance_sum_m); }))},
        {"3-D: mean (cm)", "mean_cm",
-        of(&BinRow::bin, in_cm([](const Bin& bin) { return bin.mean_m(bin.sum_m); }))}});
+        of(&WandBinRow::bin, in_cm([](const Bin& bin) { return bin.mean_m(bin.sum_m); }))}});
   add_notes(table, "calibration_bins");
   return table;
 }
-
-namespace {
 
 std::string paper_distortion_text(const PrintedCalibration& paper) {
   std::string claim;
@@ -181,8 +177,6 @@ double valid_share(const DistortionCurve& curve) {
   for (std::uint64_t n : curve.valid) valid += n;
   return share_of(valid, curve.frames * curve.valid.size());
 }
-
-}  // namespace
 
 Table calibration_distortion_table(const CalibrationSummary& s) {
   using R = DistortionCurve;
@@ -251,13 +245,34 @@ Table calibration_rigs_table(const CalibrationSummary& s) {
   return table;
 }
 
-std::vector<Table> calibration_tables(const CalibrationSummary& s) {
-  std::vector<Table> tables;
+// E4 and E5.
+std::string pose_effect(const CalibrationSummary& s) {
+  const RigRow* printed = rig_row(s, "two positions, eq. 6 and 7 as printed");
+  const RigRow* corrected = rig_row(s, "two positions, corrected");
+  if (!printed || !corrected) return {};
+  return fmt::format("E4 and E5 together: sensors off by {} ({} of {} without a pose) against {} corrected",
+                     mean_text(printed->position), printed->position.asked - printed->position.answered,
+                     printed->position.asked, mean_text(corrected->position));
+}
+
+}  // namespace
+
+StoredTables calibration_tables(const CalibrationSummary& s) {
+  StoredTables shown;
+  shown.about = fmt::format(
+      "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and sensors, "
+      "except those that are called the paper's.",
+      s.seed);
+  shown.sentences = calibration_sentences(s);
+  for (const WandErratum& e : wand_errata(s)) shown.errata.emplace(e.id, e.effect);  // the first of each
+  for (const char* id : {"E4", "E5", "E19"}) shown.errata.emplace(id, pose_effect(s));
+  std::vector<Table>& tables = shown.tables;
   if (!s.wand.empty()) tables.push_back(calibration_wand_table(s));
   if (!s.wand_samples.empty()) tables.push_back(calibration_bins_table(s));
   if (!s.distortion.empty()) tables.push_back(calibration_distortion_table(s));
   if (!s.rigs.empty()) tables.push_back(calibration_rigs_table(s));
-  return tables;
+  for (std::size_t t = 0; t < 2 && t < tables.size(); ++t) tables[t].shown = Table::Shown::first;
+  return shown;
 }
 
 }  // namespace trilat

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/studies/sweep_summary.h"
+#include "datasets/results/studies/timings.h"
+#include "datasets/results/table.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 
@@ -23,5 +25,10 @@ struct Table1Readings {
 // Those worth a table: of many, the ones that a ranking or a comparison names. None when the sweep's
 // thresholds or error ranges are not the paper's.
 std::vector<Table1Readings> table1_readings(const SweepSummary& summary, const PrintedTable1& paper);
+
+// The paper's Table I beside ours, one table for each reading that was run with the printed and with the
+// corrected gradient: propagation error, iterations and time of a solve. Empty when the sweep's thresholds or
+// error ranges are not the paper's.
+std::vector<Table> table1(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
 
 }  // namespace trilat

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/studies/calibration_summary.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 
 namespace trilat {
 
@@ -34,6 +34,12 @@ std::string mean_text(const ErrorSpread& spread);
 // none about a part that was not run.
 std::vector<std::string> calibration_sentences(const CalibrationSummary& summary);
 
-// What one error of the paper alone does to finding the wand, one sentence an erratum.
-std::vector<std::string> wand_errata_sentences(const CalibrationSummary& summary);
+// What one error of the paper alone does to finding the wand.
+struct WandErratum {
+  std::string id;       // "E1"
+  std::string problem;  // "E1: eq. 3 as printed stops when …"
+  std::string effect;   // "inside the recommended range, …"
+};
+std::vector<WandErratum> wand_errata(const CalibrationSummary& summary);
+
 }  // namespace trilat

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/studies/variations_summary.h"
+#include "pipeline/variations/variations_summary.h"
 
 #include <cmath>
 

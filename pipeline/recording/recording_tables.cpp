@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include "pipeline/recording/recording_tables.h"
+
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/table.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {
@@ -72,8 +72,7 @@ std::vector<TableValue> paper_queue_row(const Table& table) {
                             {"real_time_percent", TableValue::of(paper.real_time_percent, 2)}});
 }
 
-}  // namespace
-
+// The paper's frames by processing time, or its samples by clock error, as ours are counted.
 TimeSpread printed_table4_times(std::uint64_t PrintedTable4::Row::*count) {
   const PrintedTable4 paper = printed_table4();
   TimeSpread printed;
@@ -196,13 +195,35 @@ Table table4_processing(const StageTimings& t) {
   return table;
 }
 
-std::vector<Table> table4(const RecordingSummary& summary, const std::optional<StageTimings>& timings) {
-  std::vector<Table> tables;
+// E11.
+std::string clock_effect(const RecordingSummary& s) {
+  if (s.clocks.empty()) return {};
+  const auto median_ms = [&](const std::string& method) {
+    for (const ClockErrorRow& row : s.clocks)
+      if (row.method == method) return 1e3 * row.error.median_s;
+    return kNoNumber;
+  };
+  return fmt::format("taken for the server's clock, a median error of {:.3g} ms; corrected {:.3g} ms ({})",
+                     median_ms("as printed, for the server's clock"), median_ms("corrected"),
+                     s.clocks.front().network);
+}
+
+}  // namespace
+
+StoredTables recording_tables(const RecordingSummary& summary, const std::optional<StageTimings>& timings) {
+  StoredTables shown;
+  shown.about = fmt::format(
+      "Clocks and processing times, **simulated** recordings (seed {}); the times that frames take are "
+      "measured.",
+      summary.seed);
+  shown.errata = {{"E11", clock_effect(summary)}};
+  std::vector<Table>& tables = shown.tables;
   if (!summary.clocks.empty()) tables.push_back(table4_clocks(summary));
   if (!summary.queues.empty()) tables.push_back(table4_queue(summary, timings));
   if (!summary.fits.empty()) tables.push_back(table4_fits(summary));
   if (timings && !timings->stages.empty()) tables.push_back(table4_processing(*timings));
-  return tables;
+  for (std::size_t t = 0; t < 2 && t < tables.size(); ++t) tables[t].shown = Table::Shown::first;
+  return shown;
 }
 
 }  // namespace trilat

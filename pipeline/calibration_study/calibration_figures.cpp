@@ -8,9 +8,8 @@
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/table.h"
-#include "reports/figures/figures.h"
-#include "reports/tables/calibration_findings.h"
+#include "pipeline/calibration_study/calibration_findings.h"
+#include "pipeline/calibration_study/calibration_tables.h"
 
 namespace trilat {
 namespace {
@@ -19,7 +18,7 @@ constexpr const char* kMissing =
     "The paper's own figure is missing from its source, so only what its text says of it can be shown.";
 
 constexpr double kDistanceBin_m = 0.25;
-constexpr std::array kAngles_deg{0.0, 9.0, 18.0, 26.0, 40.0};  // edges; the paper recommends below 26
+constexpr std::array kLineAngles_deg{0.0, 9.0, 18.0, 26.0, 40.0};  // edges; the paper recommends below 26
 
 // Ways to find the wand, each before a far wall, or in the room when it found nothing there.
 std::vector<const WandRow*> shown_rows(const CalibrationSummary& s) {
@@ -66,8 +65,8 @@ Figure wand_figure(const CalibrationSummary& s) {
   figure.y_label = "error of the distance (cm)";
   figure.log_y = true;
   for (const WandRow* row : shown_rows(s)) {
-    for (std::size_t k = 0; k + 1 < kAngles_deg.size(); ++k) {
-      FigureSeries curve = wand_curve(s, *row, kAngles_deg[k], kAngles_deg[k + 1]);
+    for (std::size_t k = 0; k + 1 < kLineAngles_deg.size(); ++k) {
+      FigureSeries curve = wand_curve(s, *row, kLineAngles_deg[k], kLineAngles_deg[k + 1]);
       curve.panel = figure.panels.size();
       if (!curve.points.empty()) figure.series.push_back(std::move(curve));
     }
@@ -121,6 +120,7 @@ std::vector<Figure> calibration_figures(const CalibrationSummary& s) {
   std::vector<Figure> figures;
   if (!s.wand_samples.empty()) figures.push_back(wand_figure(s));
   if (!s.distortion.empty()) figures.push_back(distortion_figure(s));
+  if (!figures.empty()) figures.front().is_first = true;
   return figures;
 }
 

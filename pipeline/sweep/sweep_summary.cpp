@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/studies/sweep_summary.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 

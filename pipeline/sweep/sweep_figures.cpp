@@ -8,9 +8,8 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
-#include "reports/figures/figures.h"
-#include "reports/tables/table1.h"
-#include "reports/tables/tables.h"
+#include "pipeline/sweep/sweep_tables.h"
+#include "pipeline/sweep/table1.h"
 
 namespace trilat {
 namespace {
@@ -162,7 +161,10 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
 
 std::vector<Figure> sweep_figures(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
   std::vector<Figure> figures;
-  for (const Quantity& quantity : quantities(timings)) figures.push_back(figure_of(s, quantity));
+  for (const Quantity& quantity : quantities(timings)) {
+    figures.push_back(figure_of(s, quantity));
+    figures.back().is_first = !s.search && figures.size() <= 2;
+  }
   return figures;
 }
 

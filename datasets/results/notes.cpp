@@ -2,8 +2,8 @@
 #include <sstream>
 
 #include "datasets/base/error.h"
-#include "reports/tables/embedded_notes.h"
-#include "reports/tables/tables.h"
+#include "datasets/results/embedded_notes.h"
+#include "datasets/results/table.h"
 
 namespace trilat {
 

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/results/figure.h"
+#include "datasets/results/studies/timings.h"
+#include "datasets/results/table.h"
+#include "pipeline/sweep/sweep_summary.h"
+
+namespace trilat {
+
+// What a sweep shows: the paper's Table I beside ours, the answer of an interpretation search, every cell.
+StoredTables sweep_tables(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+
+// Error, steps, share of answers and, where it was measured, time over the threshold C: a panel for each rig,
+// error model and range of errors, a line for each other choice. With the paper's grid its Table I stands
+// beside.
+std::vector<Figure> sweep_figures(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+
+// The readings worth a figure: all of a few, of many those that lead a ranking.
+std::vector<std::size_t> readings_in_full(const SweepSummary& summary);
+
+// Of a cell; none when it was not timed.
+const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);
+
+// A sentence or two a person can take away from the search; empty without one.
+std::vector<std::string> search_sentences(const SweepSummary& summary);
+
+}  // namespace trilat
