@@ -121,7 +121,9 @@ void write_tables(const ReportContent& content, Writer& write, const std::functi
     advance(static_cast<double>(t + 1) / static_cast<double>(tables.size()));
   }
   for (const Chapter& chapter : content.chapters)
-    for (const Table& table : chapter.apart) write("tables/" + table.id + ".csv", csv_of(table));
+    for (const Table& table : chapter.apart)
+      write("tables/" + table.id + ".csv",
+            table.rows_in.empty() ? csv_of(table) : read_file(chapter.results / table.rows_in));
 }
 
 void write_figures(const ReportContent& content, Writer& write) {

@@ -57,10 +57,10 @@ T read_results(const std::filesystem::path& folder) {
 // A file that stands beside the summary. The struct states its name and format: `static constexpr const char
 // *kFile, *kFormat`.
 template <Described T>
-void write_beside(const std::filesystem::path& folder, const T& value) {
+void write_beside(const std::filesystem::path& folder, const T& value, int indent = 1) {
   Json json{{"format", T::kFormat}, {"version", 1}};
   json.update(json_of(value));
-  write_file(folder / T::kFile, json_text(json, 1) + "\n");
+  write_file(folder / T::kFile, json_text(json, indent) + "\n");
 }
 // Nothing without the file; InputError when it is not one of these.
 template <Described T>

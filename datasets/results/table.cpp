@@ -2,9 +2,13 @@
 #include "datasets/results/table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "datasets/base/files.h"
+#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
@@ -19,6 +23,12 @@ constexpr std::pair<const char*, const char*> kLetters[] = {
     {"á", "a"},  {"â", "a"},  {"ã", "a"},  {"å", "a"},  {"æ", "ae"}, {"ç", "c"},  {"è", "e"},  {"é", "e"},
     {"ê", "e"},  {"ë", "e"},  {"ì", "i"},  {"í", "i"},  {"î", "i"},  {"ï", "i"},  {"ñ", "n"},  {"ò", "o"},
     {"ó", "o"},  {"ô", "o"},  {"õ", "o"},  {"ø", "o"},  {"ù", "u"},  {"ú", "u"},  {"û", "u"},  {"É", "E"}};
+
+// A spreadsheet would compute what begins so; numbers are not texts and stay as they are.
+std::string csv_text(const std::string& text) {
+  const bool formula = !text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos;
+  return csv_field(formula ? "'" + text : text);
+}
 
 }  // namespace
 
@@ -62,6 +72,39 @@ std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, 
 void Table::check(const JsonObject& object) const {
   for (const std::vector<TableValue>& row : rows)
     if (row.size() != columns.size()) object.refuse("rows", "must have a cell for each column");
+}
+
+std::string csv_of(const Table& table) {
+  std::string text;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const TableColumn& column = table.columns[c];
+    text += (c ? "," : "") + csv_field(column.key);
+    if (column.has_interval)
+      for (const char* end : {"from", "to"}) text += "," + csv_field(column.key_of_end(end));
+  }
+  text += "\r\n";
+  const auto number = [](double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+  };
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (c > 0) text += ',';
+      text += row[c].number ? number(*row[c].number) : csv_text(row[c].text);
+      if (table.columns[c].has_interval) text += "," + number(row[c].low) + "," + number(row[c].high);
+    }
+    text += "\r\n";
+  }
+  return text;
+}
+
+void store_tables(const std::filesystem::path& folder, StoredTables shown) {
+  for (Table& table : shown.tables) {
+    if (table.shown != Table::Shown::file) continue;
+    table.rows_in = table.id + ".csv";
+    write_file(folder / table.rows_in, csv_of(table));
+    table.rows.clear();
+  }
+  write_beside(folder, shown, -1);
 }
 
 std::string usable_id(std::string text) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <map>
@@ -29,7 +30,18 @@ struct TableValue {
   Mark mark = Mark::none;
   std::string beside = {};  // what stands behind a number: "paper 8.7"
 
-  TRILAT_FIELDS(number, decimals, text, low, high, mark, beside)
+  // What most cells do not have is left out.
+  static void fields(auto& self, auto&& field) {
+    bool has_text = !self.text.empty(), has_interval = !std::isnan(self.low) || !std::isnan(self.high),
+         is_marked = self.mark != Mark::none, has_more = !self.beside.empty();
+    TRILAT_EACH(number, decimals)
+    if (field.has("text", has_text)) TRILAT_EACH(text)
+    if (field.has("low", has_interval)) {
+      TRILAT_EACH(low, high)
+    }
+    if (field.has("mark", is_marked)) TRILAT_EACH(mark)
+    if (field.has("beside", has_more)) TRILAT_EACH(beside)
+  }
 
   static TableValue of(double value, int decimals) { return {value, decimals, {}}; }
   static TableValue of(std::string text) { return {std::nullopt, 0, std::move(text)}; }
@@ -66,10 +78,14 @@ struct Table {
   std::vector<std::string> notes;  // one sentence each
   std::uint64_t first_rows = 0;    // what a reader sees before asking for more; 0: all
   Shown shown = Shown::detail;
+  std::string rows_in = {};  // the CSV file beside tables.json that has them, where `rows` is empty
 
-  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, shown)
+  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, shown, rows_in)
   void check(const JsonObject& object) const;
 };
+
+// RFC 4180 with full precision; NaN is an empty field.
+std::string csv_of(const Table& table);
 
 // Adds the sentences of a section of notes.md, where {name} stands for what `names` has.
 void add_notes(Table& table, const std::string& section,
@@ -181,5 +197,7 @@ struct StoredTables {
 
   TRILAT_FIELDS(about, findings, sentences, errata, tables)
 };
+// The rows of tables that are shown as files become CSV files beside it.
+void store_tables(const std::filesystem::path& folder, StoredTables shown);
 
 }  // namespace trilat

@@ -230,7 +230,7 @@ Study calibration_study(const CalibrationSpec& spec) {
           .reduce =
               [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
                 const CalibrationSummary summary = summarise(spec, outcomes);
-                write_beside(results, calibration_tables(summary));
+                store_tables(results, calibration_tables(summary));
                 write_beside(results, StoredFigures{calibration_figures(summary)});
                 write_results(results, summary, -1);
               },

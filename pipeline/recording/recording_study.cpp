@@ -198,7 +198,7 @@ Study recording_study(const RecordingSpec& spec) {
               .reduce =
                   [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
                     const RecordingSummary summary = summarise(spec, outcomes);
-                    write_beside(results, recording_tables(summary, read_beside<StageTimings>(results)));
+                    store_tables(results, recording_tables(summary, read_beside<StageTimings>(results)));
                     write_beside(results, StoredFigures{});
                     write_results(results, summary, -1);
                   },

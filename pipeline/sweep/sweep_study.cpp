@@ -261,7 +261,7 @@ Study sweep_study(const SweepPlan& whole) {
                     SweepSummary summary = summary_of(*plan, cells_of(*plan, outcomes));
                     summary.claims = claims_of(summary);
                     const auto timings = read_beside<SweepTimings>(results);
-                    write_beside(results, sweep_tables(summary, timings));
+                    store_tables(results, sweep_tables(summary, timings));
                     write_beside(results, StoredFigures{sweep_figures(summary, timings)});
                     write_results(results, summary);
                   },

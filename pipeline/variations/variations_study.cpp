@@ -157,7 +157,7 @@ Study variations_study(const VariationsSpec& spec) {
                     VariationsSummary summary = summary_of(*shared, outcomes);
                     analyse(summary);
                     write_points(folder / "points.csv", summary);
-                    write_beside(folder, variation_tables(summary));
+                    store_tables(folder, variation_tables(summary));
                     write_beside(folder, StoredFigures{variation_figures(summary)});
                     write_results(folder, summary);
                   },

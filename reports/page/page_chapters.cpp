@@ -41,8 +41,9 @@ std::string claims_on(const std::optional<Table>& claims, const std::string& pla
 // One line with the file of a table or figure that the page does not show.
 std::string table_link(const Table& table) {
   const std::string id = html_text(table.id);
-  return fmt::format("<li>{} <small>{} rows</small> <a href=\"tables/{}.csv\">CSV</a></li>\n",
-                     html_title(table.title), table.rows.size(), id);
+  const std::string rows =
+      table.rows_in.empty() ? fmt::format(" <small>{} rows</small>", table.rows.size()) : std::string();
+  return fmt::format("<li>{}{} <a href=\"tables/{}.csv\">CSV</a></li>\n", html_title(table.title), rows, id);
 }
 
 std::string figure_link(const Figure& figure) {

@@ -119,37 +119,4 @@ std::string markdown_of(const Table& table) {
   return text + (table.notes.empty() ? "" : "\n");
 }
 
-namespace {
-
-// A spreadsheet would compute what begins so; numbers are not texts and stay as they are.
-std::string csv_text(const std::string& text) {
-  const bool formula = !text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos;
-  return csv_field(formula ? "'" + text : text);
-}
-
-}  // namespace
-
-std::string csv_of(const Table& table) {
-  std::string text;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const TableColumn& column = table.columns[c];
-    text += (c ? "," : "") + csv_field(column.key);
-    if (column.has_interval)
-      for (const char* end : {"from", "to"}) text += "," + csv_field(column.key_of_end(end));
-  }
-  text += "\r\n";
-  const auto number = [](double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
-  };
-  for (const auto& row : table.rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      if (c > 0) text += ',';
-      text += row[c].number ? number(*row[c].number) : csv_text(row[c].text);
-      if (table.columns[c].has_interval) text += "," + number(row[c].low) + "," + number(row[c].high);
-    }
-    text += "\r\n";
-  }
-  return text;
-}
-
 }  // namespace trilat

@@ -24,7 +24,5 @@ std::string printed(const TableValue& value);
 std::string printed_interval(const TableValue& value);
 
 std::string markdown_of(const Table& table);
-// RFC 4180 with full precision; NaN is an empty field.
-std::string csv_of(const Table& table);
 
 }  // namespace trilat

@@ -89,7 +89,7 @@ void write_sound_results(const fs::path& scratch) {
   write_recording(scratch);
   make_folder(scratch / "calibration");
   const CalibrationSummary calibration = hand_made_calibration();
-  write_beside(scratch / "calibration", calibration_tables(calibration));
+  store_tables(scratch / "calibration", calibration_tables(calibration));
   write_beside(scratch / "calibration", StoredFigures{calibration_figures(calibration)});
   write_results(scratch / "calibration", calibration);
   write_variations(scratch / "variations");
