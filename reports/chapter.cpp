@@ -51,14 +51,13 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
         "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",
         check.method, check.samples, check.worst_m, check.limit_m,
         check.passed() ? "agrees" : "**disagrees**"));
-  // of the paper's studies one asks what compensation does, and some what more sensors do
+  // of the paper's studies one asks what compensation does
   const std::vector<Table> second = paper ? table2(s) : std::vector<Table>{};
-  const bool counts_sensors = paper && !sensor_counts_figure(s).empty();
   append(chapter, second);
   if (chapter.tables.empty()) append(chapter, article_tables(s, paper));
   if (!paper) append(chapter, oddity_tables(s));
   chapter.first_tables = chapter.tables.size();
-  if (!second.empty() || counts_sensors) append(chapter, article_tables(s, false));
+  if (!second.empty()) append(chapter, article_tables(s, false));
   append(chapter, accuracy_tables(s));
   chapter.apart = apart_tables(s);
   if (tracking) append(chapter, tracking_tables(*tracking));

@@ -80,9 +80,15 @@ void draw_all(ReportContent& content) {
   for (Chapter& chapter : content.chapters)
     for (DrawnFigure& figure : chapter.figures) figures.push_back(std::move(figure.figure));
   std::vector<DrawnFigure> drawn = draw_figures(std::move(figures));
+  const bool has_pictures = std::ranges::all_of(drawn, &DrawnFigure::is_drawn);
   auto next = drawn.begin();
   for (Chapter& chapter : content.chapters)
     for (DrawnFigure& figure : chapter.figures) figure = std::move(*next++);
+  if (!has_pictures)
+    content.headline.warnings.emplace_back(
+        "There are no pictures, because gnuplot is not installed (`apt-get install gnuplot-nox`); the "
+        "numbers of "
+        "the figures are in CSV files.");
 }
 
 }  // namespace

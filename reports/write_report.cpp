@@ -31,7 +31,10 @@ std::string citation_bibtex() {
 constexpr double kReadShare = 0.5, kPageShare = 0.2;  // of the whole; the rest is writing
 
 // Brackets in the text would end the picture's name.
-std::string markdown_of(const Figure& figure) {
+std::string markdown_of(const DrawnFigure& drawn) {
+  const Figure& figure = drawn.figure;
+  if (!drawn.is_drawn())
+    return fmt::format("*{}. {}* [CSV](figures/{}.csv)\n", figure.title, figure.caption, figure.id);
   std::string name;
   for (char c : figure.title) name += c == '[' || c == ']' ? std::string("\\") + c : std::string(1, c);
   return fmt::format("![{}](figures/{}.svg)\n\n*{}. {}*\n", name, figure.id, figure.title, figure.caption);
@@ -55,7 +58,7 @@ std::string markdown_of(const ReportContent& content) {
     for (const std::string& sentence : chapter.sentences) markdown += "\n" + sentence + "\n";
     for (const Table& table : chapter.tables) add(table);
     for (std::size_t f = 0; f < chapter.first_figures; ++f)
-      markdown += "\n" + markdown_of(chapter.figures[f].figure);
+      markdown += "\n" + markdown_of(chapter.figures[f]);
   }
   for (const Table& table : content.audit) add(table);
   return markdown;
@@ -133,8 +136,10 @@ void write_figures(const ReportContent& content, Writer& write) {
     for (const DrawnFigure& figure : chapter.figures) figures.push_back(&figure);
   for (const DrawnFigure* figure : figures) {
     const std::string path = "figures/" + figure->figure.id;
-    write(path + ".svg", figure->svg);
-    write(path + ".pdf", figure->pdf);
+    if (figure->is_drawn()) {
+      write(path + ".svg", figure->svg);
+      write(path + ".pdf", figure->pdf);
+    }
     write(path + ".csv", csv_of(figure->figure));
   }
 }

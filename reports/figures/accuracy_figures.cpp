@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -12,8 +14,29 @@
 #include "reports/tables/tables.h"
 
 namespace trilat {
-Figure methods_figure(const ResultsSummary& s, const std::string& condition, bool with_paper) {
+namespace {
+
+// From head to foot; what is named otherwise comes behind.
+constexpr std::array<std::string_view, 7> kFromHeadToFoot{"head", "shoulder", "elbow", "wrist",
+                                                          "hip",  "knee",     "ankle"};
+
+// As many as a figure has panels: from head to foot, and the average of all.
+std::vector<std::string> first_groups(std::vector<std::string> groups) {
   constexpr std::size_t kMostPanels = 6;
+  if (groups.size() <= kMostPanels) return groups;
+  const bool has_average = groups.back() == kAverageGroup;
+  if (has_average) groups.pop_back();
+  std::ranges::stable_sort(groups, {}, [](const std::string& group) {
+    return std::ranges::find(kFromHeadToFoot, std::string_view(group)) - kFromHeadToFoot.begin();
+  });
+  groups.resize(kMostPanels - has_average);
+  if (has_average) groups.emplace_back(kAverageGroup);
+  return groups;
+}
+
+}  // namespace
+
+Figure methods_figure(const ResultsSummary& s, const std::string& condition, bool with_paper) {
   const std::string& alignment = s.alignments.front();
   Figure figure;
   figure.id = usable_id("errors-" + (condition.empty() ? "all" : condition));
@@ -25,8 +48,9 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition, boo
                                with_paper ? "; rings: what the paper prints" : "");
   figure.x_label = "mean error (cm)";
   figure.y_names = leading_methods(s, condition);
-  std::vector<std::string> groups = groups_in(s, condition);
-  if (groups.size() > kMostPanels) groups.erase(groups.begin(), groups.end() - kMostPanels);
+  const std::vector<std::string> all = groups_in(s, condition), groups = first_groups(all);
+  if (groups.size() < all.size())
+    figure.caption += fmt::format(" {} of {} joint groups; the tables have all.", groups.size(), all.size());
   const std::string origin = s.simulated ? "ours, simulated" : "recorded";
   for (std::size_t g = 0; g < groups.size(); ++g) {
     FigureSeries ours{origin, FigureSeries::Style::dots, {}, {}, "nonlinear"},

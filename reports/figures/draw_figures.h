@@ -8,14 +8,15 @@
 
 namespace trilat {
 
-// The pictures of one figure.
+// The pictures of one figure; without gnuplot there are none.
 struct DrawnFigure {
   Figure figure;
   std::string svg, pdf;
+  bool is_drawn() const { return !svg.empty(); }
 };
 
-// Draws all of them in one run of gnuplot. The same figures give the same bytes on one machine. InputError
-// when gnuplot is not installed or refuses, with what it says.
+// Draws all of them in one run of gnuplot; none where it is not installed. The same figures give the same
+// bytes on one machine. InputError when gnuplot refuses, with what it says.
 std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures);
 
 struct FigureSize {

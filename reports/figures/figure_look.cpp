@@ -9,8 +9,9 @@ namespace trilat {
 namespace {
 
 constexpr const char* kBlack = "#000000";
-constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c8c1e", "#785ef0", "#7f7f7f"};
-constexpr std::array kMarkers{7, 9, 5, 11, 13, 6, 8};  // filled circle, triangle, square, …
+constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                              "#8c8c1e", "#785ef0", "#56b4e9", "#7f7f7f"};
+constexpr std::array kMarkers{7, 9, 5, 11, 13, 6, 4, 8};  // filled circle, triangle, square, …
 constexpr int kDashes = 5;
 
 // Families of methods with the colour of each; families that share one are told apart by their dash.
@@ -30,7 +31,8 @@ constexpr Family kFamilies[] = {{"linear", 0, 1},
                                 {"kalman", 5, 2},
                                 {"rts", 5, 1},
                                 {"window", 5, 3},
-                                {"single", 6, 1},
+                                {"range bearing", 6, 1},
+                                {"single", 7, 1},
                                 {"printed gradient", 1, 1},
                                 {"corrected gradient", 2, 1}};
 
@@ -59,7 +61,7 @@ int dash_of_variant(const std::string& method, const Family& family) {
 FigureLook look_of_method(const std::string& method) {
   if (method == "truth" || method == "the paper's") return {kBlack, 1, 7};
   const Family* family = family_of(method);
-  if (!family) return {kColours.back(), 1, 6};
+  if (!family) return {kColours.back(), 1, kMarkers.back()};
   return {kColours[family->colour], dash_of_variant(method, *family), kMarkers[family->colour]};
 }
 

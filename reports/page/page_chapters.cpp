@@ -46,8 +46,11 @@ std::string table_link(const Table& table) {
   return fmt::format("<li>{}{} <a href=\"tables/{}.csv\">CSV</a></li>\n", html_title(table.title), rows, id);
 }
 
-std::string figure_link(const Figure& figure) {
+std::string figure_link(const DrawnFigure& drawn) {
+  const Figure& figure = drawn.figure;
   const std::string id = html_text(figure.id);
+  if (!drawn.is_drawn())
+    return fmt::format("<li>{0} <a href=\"figures/{1}.csv\">CSV</a></li>\n", html_text(figure.title), id);
   return fmt::format(
       "<li>{0} <a href=\"figures/{1}.svg\">SVG</a> <a href=\"figures/{1}.pdf\">PDF</a> <a "
       "href=\"figures/{1}.csv\">CSV</a></li>\n",
@@ -99,7 +102,7 @@ std::string chapter_html(const ReportContent& content, std::size_t number) {
     if (!is_in_headline(content, number, f)) html += figure_html(chapter.figures[f]);
   for (const Table& table : chapter.apart) add(table_link(table));
   for (std::size_t f = chapter.first_figures; f < chapter.figures.size(); ++f)
-    add(figure_link(chapter.figures[f].figure));
+    add(figure_link(chapter.figures[f]));
   html += folded(others, "more tables and figures of this study", links);
   return html;
 }
@@ -161,6 +164,10 @@ std::string provenance_html(const Provenance& p) {
 std::string figure_html(const DrawnFigure& drawn) {
   const Figure& figure = drawn.figure;
   const std::string id = html_text(figure.id), title = html_text(figure.title);
+  if (!drawn.is_drawn())
+    return fmt::format(
+        "<p id=\"figure-{0}\"><strong>{1}.</strong> {2} <a href=\"figures/{0}.csv\">CSV</a></p>\n", id, title,
+        html_text(figure.caption));
   const std::string source = "data:image/svg+xml;base64," + base64_of(drawn.svg);
   return fmt::format(
       "<figure class=\"picture{4}\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "

@@ -45,8 +45,12 @@ std::size_t errata() {
 }
 
 TEST(PaperMap, EveryPlaceItNamesIsThere) {
+  std::string text = map_text();  // what it names of a report is held against one by Program.reproduce
+  const std::size_t outputs = text.find("## Tables and figures"), behind = text.find("## Experiments");
+  ASSERT_LT(outputs, behind);
+  text.erase(outputs, behind - outputs);
   int places = 0;
-  for (const std::string& name : named(map_text())) {
+  for (const std::string& name : named(text)) {
     if (name.find('/') == std::string::npos) continue;
     ++places;
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(kSourceDir) / name)) << name;

@@ -38,20 +38,20 @@ def make(folder):
     trilat("report", folder / "results", "-o", folder / "report", "--time", "2026-01-01")
 
 
-def ended(*words, cwd=None, largest_file=None):
+def ended(*words, cwd=None, env=None, largest_file=None):
     """What became of a use of the program; no file may grow beyond `largest_file` bytes, as on a full disk."""
     def limit():
         import resource
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
 
-    return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=600, check=False,
+    return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=cwd, env=env, timeout=600, check=False,
                           stdin=subprocess.DEVNULL, preexec_fn=limit if largest_file else None)
 
 
-def trilat(*words, code=0, cwd=None):
+def trilat(*words, code=0, cwd=None, env=None):
     """Runs the program; gives what it printed on both streams."""
-    done = ended(*words, cwd=cwd)
+    done = ended(*words, cwd=cwd, env=env)
     said = done.stdout + done.stderr
     assert done.returncode == code, f"{words}: exit {done.returncode}: {said}"
     return said

@@ -116,6 +116,20 @@ class Report(ScratchTest):
         self.check(self.folder / "report")
         self.assertIn("claims", Page((self.folder / "report/report.html").read_text()).ids)
 
+    def test_without_gnuplot_there_is_a_report_that_says_so(self):
+        report = self.folder / "report"
+        trilat("report", made() / "results", "-o", report, env={**os.environ, "PATH": str(self.folder)})
+        self.check(report)
+        self.assertIn("There are no pictures, because gnuplot is not installed", (report / "report.md").read_text())
+        self.assertEqual({path.suffix for path in report.glob("figures/**/*.*")}, {".csv"})
+
+    def test_results_without_what_they_show_are_to_be_made_again(self):
+        self.of("threshold_sweep", TINY["threshold_sweep"])
+        results = next(path for path in self.folder.rglob("tables.json")).parent
+        (results / "tables.json").unlink()
+        self.assertIn("holds no tables.json: an older program made it; run its study again",
+                      trilat("report", results, "-o", self.folder / "again", code=2))
+
     def check(self, report):
         text = (report / "report.html").read_text()
         page = Page(text)
