@@ -40,6 +40,7 @@ Chapter accuracy_chapter(const std::filesystem::path& path, bool paper) {
   const std::optional<TrackingSummary> tracking = read_beside<TrackingSummary>(path);
   Chapter chapter = new_chapter(path, s.study, s.campaign);
   chapter.title = s.study + " on " + s.campaign;
+  chapter.asked = "How far from the truth is each method?";
   chapter.simulated = s.simulated;
   chapter.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
                               s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
@@ -80,6 +81,7 @@ Chapter stored_chapter(const std::filesystem::path& path, const ResultsHead& hea
                                                 stored ? StoredFigures::kFile : StoredTables::kFile));
   Chapter chapter = new_chapter(path, head.study);
   chapter.simulated = head.simulated;
+  chapter.asked = stored->asked;
   chapter.about = stored->about;
   chapter.findings = stored->findings;
   chapter.sentences = stored->findings;

@@ -16,7 +16,8 @@ namespace trilat {
 struct Chapter {
   Provenance provenance;
   std::filesystem::path results;
-  std::string title;  // "table3 on paper campaign"
+  std::string asked = {};  // the study's question
+  std::string title;       // "table3 on paper campaign"
   std::string
       about;  // one sentence: how much of what, simulated or recorded; **bold** and `code` as in Markdown
   bool simulated = true;

@@ -119,8 +119,6 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
         headline);
     return headline;
   }
-  const bool any_accuracy =
-      std::ranges::any_of(content.chapters, [](const Chapter& c) { return is_of(c, StudyKind::accuracy); });
   if (changes) {
     headline.asked = "What changed, by how much, and is it real?";
     headline.answers = changes_sentences(*changes);
@@ -128,7 +126,9 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
         content, [](const Chapter&, const Figure&) { return true; }, headline);
     return headline;
   }
-  headline.asked = any_accuracy ? "How far from the truth is each method?" : "What did the studies find?";
+  const bool one_question = std::ranges::all_of(
+      content.chapters, [&](const Chapter& c) { return c.asked == content.chapters.front().asked; });
+  headline.asked = one_question ? content.chapters.front().asked : "What did the studies find?";
   std::size_t left_out = 0;
   for (const Chapter& chapter : content.chapters)
     for (const std::string& finding : chapter.findings.empty() ? chapter.sentences : chapter.findings) {

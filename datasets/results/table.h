@@ -189,13 +189,14 @@ std::vector<TableValue> row_by_key(const Table& table,
 // up as in Markdown, with **bold** and `code`.
 struct StoredTables {
   static constexpr const char *kFile = "tables.json", *kFormat = "trilat.tables";
+  std::string asked;                   // the study's question
   std::string about;                   // one sentence: how much of what, simulated or recorded
   std::vector<std::string> findings;   // what it found, one or two sentences each, the first ones first
   std::vector<std::string> sentences;  // what else it says
   std::map<std::string, std::string> errata;  // what an erratum of the paper does here, by its id
   std::vector<Table> tables;                  // those that answer the study's question first
 
-  TRILAT_FIELDS(about, findings, sentences, errata, tables)
+  TRILAT_FIELDS(asked, about, findings, sentences, errata, tables)
 };
 // The rows of tables that are shown as files become CSV files beside it.
 void store_tables(const std::filesystem::path& folder, StoredTables shown);

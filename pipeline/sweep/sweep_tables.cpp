@@ -287,14 +287,40 @@ std::string mean_spread_effect(const SweepSummary& s) {
       100.0 * upper_median(shares));
 }
 
+// From the largest threshold to the smallest, over all readings and ranges of errors.
+std::string threshold_sentence(const SweepSummary& s) {
+  const auto [smallest, largest] = std::ranges::minmax_element(s.thresholds);
+  const auto small = static_cast<std::size_t>(smallest - s.thresholds.begin()),
+             large = static_cast<std::size_t>(largest - s.thresholds.begin());
+  std::vector<double> errors, steps;
+  for (std::size_t i = 0; i < s.interpretations.size(); ++i)
+    for (std::size_t r = 0; r < s.ranges.size(); ++r) {
+      const SweepCell &before = s.cell(i, large, r), &after = s.cell(i, small, r);
+      errors.push_back(after.mae_m / before.mae_m);
+      steps.push_back(after.mean_iterations / before.mean_iterations);
+    }
+  for (std::vector<double>* factors : {&errors, &steps})
+    std::erase_if(*factors, [](double f) { return !std::isfinite(f); });
+  if (errors.empty() || steps.empty())
+    return "No trial was answered at the smallest and the largest threshold.";
+  if (small == large) return fmt::format("One threshold, C = {:g}: there is nothing to compare.", *smallest);
+  return fmt::format(
+      "From C = {:g} to C = {:g} a solve takes {} times the steps, for {} times the error: the least and the "
+      "most "
+      "over {} readings and {} ranges of errors, of the trials that are answered.",
+      *largest, *smallest, span_text(steps), span_text(errors), s.interpretations.size(), s.ranges.size());
+}
+
 }  // namespace
 
 StoredTables sweep_tables(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
   StoredTables shown;
+  shown.asked = "What does the stopping threshold C cost, and what does it bring?";
   shown.about = fmt::format(
       "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
       s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials);
   shown.findings = search_sentences(s);
+  if (!s.search) shown.findings.push_back(threshold_sentence(s));
   shown.errata = {{"E7", steps_effect(s)}, {"E18", mean_spread_effect(s)}};
   const auto add = [&](std::vector<Table> tables, Table::Shown where) {
     for (Table& table : tables) {

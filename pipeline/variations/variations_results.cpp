@@ -317,6 +317,8 @@ void analyse(VariationsSummary& summary) {
 
 StoredTables variation_tables(const VariationsSummary& s) {
   StoredTables shown;
+  shown.asked = s.ranges.empty() ? "What does each change of the simulation do to the errors?"
+                                 : "Where in the ranges do the conclusions hold, and what decides?";
   shown.about = fmt::format(
       "Variations of a simulation, **simulated**: {} campaigns of {} participant{} each, seed {}.",
       s.points.size(), s.participants, s.participants == 1 ? "" : "s", s.seed);
