@@ -287,28 +287,40 @@ std::string mean_spread_effect(const SweepSummary& s) {
       100.0 * upper_median(shares));
 }
 
-// From the largest threshold to the smallest, over all readings and ranges of errors.
-std::string threshold_sentence(const SweepSummary& s) {
-  const auto [smallest, largest] = std::ranges::minmax_element(s.thresholds);
-  const auto small = static_cast<std::size_t>(smallest - s.thresholds.begin()),
-             large = static_cast<std::size_t>(largest - s.thresholds.begin());
+// From the largest threshold to the smallest with one gradient, over all readings and ranges of errors.
+std::string threshold_text(const SweepSummary& s, std::size_t large, std::size_t small,
+                           const std::string& gradient) {
   std::vector<double> errors, steps;
+  double answered = 1.0;
   for (std::size_t i = 0; i < s.interpretations.size(); ++i)
-    for (std::size_t r = 0; r < s.ranges.size(); ++r) {
+    for (std::size_t r = 0; s.interpretations[i].gradient == gradient && r < s.ranges.size(); ++r) {
       const SweepCell &before = s.cell(i, large, r), &after = s.cell(i, small, r);
+      answered = std::min(
+          {answered, share_of(before.answered, before.asked), share_of(after.answered, after.asked)});
       errors.push_back(after.mae_m / before.mae_m);
       steps.push_back(after.mean_iterations / before.mean_iterations);
     }
-  for (std::vector<double>* factors : {&errors, &steps})
-    std::erase_if(*factors, [](double f) { return !std::isfinite(f); });
-  if (errors.empty() || steps.empty())
-    return "No trial was answered at the smallest and the largest threshold.";
-  if (small == large) return fmt::format("One threshold, C = {:g}: there is nothing to compare.", *smallest);
+  if (!all_finite(errors) || !all_finite(steps))
+    return fmt::format("some cells answer nothing with the {} gradient", gradient);
   return fmt::format(
-      "From C = {:g} to C = {:g} a solve takes {} times the steps, for {} times the error: the least and the "
-      "most "
-      "over {} readings and {} ranges of errors, of the trials that are answered.",
-      *largest, *smallest, span_text(steps), span_text(errors), s.interpretations.size(), s.ranges.size());
+      "{} times the steps with the {} gradient, for {} times the error ({:.0f} % answered at least)",
+      span_text(steps), gradient, span_text(errors), 100.0 * answered);
+}
+
+std::string threshold_sentence(const SweepSummary& s) {
+  const auto [smallest, largest] = std::ranges::minmax_element(s.thresholds);
+  if (*smallest == *largest)
+    return fmt::format("One threshold, C = {:g}: there is nothing to compare.", *smallest);
+  std::set<std::string> gradients;
+  for (const SweepInterpretation& reading : s.interpretations) gradients.insert(reading.gradient);
+  std::string text;
+  for (const std::string& gradient : gradients)
+    text += (text.empty() ? "" : "; ") +
+            threshold_text(s, static_cast<std::size_t>(largest - s.thresholds.begin()),
+                           static_cast<std::size_t>(smallest - s.thresholds.begin()), gradient);
+  return fmt::format(
+      "From C = {:g} to C = {:g}, the least and the most over readings and ranges of errors: {}.", *largest,
+      *smallest, text);
 }
 
 }  // namespace
