@@ -38,6 +38,7 @@ void read_manifest(const std::filesystem::path& path, const std::string& campaig
   p.config = json_text(again, 1);
   p.seed = scalar_text(again, "seed");
   p.study_sha256 = scalar_text(json, "study_sha256");
+  p.calibration = manifest.text("calibration", "");
   if (manifest.has("rig")) p.rig = manifest.texts("rig");
   read_inputs(manifest, p);
 }
@@ -84,8 +85,9 @@ std::string study_file(const Provenance& provenance) {
 std::string commands_of(const Provenance& p) {
   const bool wants_campaign = p.kind == StudyKind::accuracy;
   const std::string folder = usable_id(p.folder);
-  return fmt::format("trilat run {}{} -o {}\ntrilat report {} -o report", study_file(p),
-                     wants_campaign ? " --campaign CAMPAIGN" : "", folder, folder);
+  return fmt::format("trilat run {}{}{} -o {}\ntrilat report {} -o report", study_file(p),
+                     wants_campaign ? " --campaign CAMPAIGN" : "",
+                     p.calibration.empty() ? "" : " --calibration " + p.calibration, folder, folder);
 }
 
 Table parameters_table(const std::vector<DeclaredParameter>& parameters, const std::string& studies) {

@@ -23,7 +23,8 @@ struct Provenance {
   StudyKind kind = StudyKind::accuracy;
   std::string study;  // its name
   std::string program, campaign, seed, study_sha256;
-  std::string config;  // the resolved study as JSON
+  std::string calibration;  // the file that was given instead of the takes' own
+  std::string config;       // the resolved study as JSON
   std::vector<std::string> rig;
   std::vector<InputFile> inputs;
   std::string processor, threads, compiler, wall_s;

@@ -70,12 +70,8 @@ std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, 
 }
 
 void Table::check(const JsonObject& object) const {
-  constexpr int kMostDecimals = 17;
-  for (const std::vector<TableValue>& row : rows) {
+  for (const std::vector<TableValue>& row : rows)
     if (row.size() != columns.size()) object.refuse("rows", "must have a cell for each column");
-    if (std::ranges::any_of(row, [](const TableValue& cell) { return cell.decimals > kMostDecimals; }))
-      object.refuse("rows", "must have cells of 17 decimals at most");
-  }
 }
 
 std::string csv_of(const Table& table) {

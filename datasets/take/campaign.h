@@ -84,7 +84,8 @@ struct Campaign {
   std::string name;
   bool simulated = false;
   std::vector<Take> takes;
-  std::filesystem::path folder{};  // where it was read from
+  std::filesystem::path folder{};       // where it was read from
+  std::filesystem::path calibration{};  // of all takes, where the user gave one instead of their own
 };
 
 // `path` is the folder or its campaign.json. Take ids must be unique and usable as names.

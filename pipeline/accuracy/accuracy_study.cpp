@@ -203,6 +203,7 @@ Json manifest_of_run(const AccuracyRun& run) {
   }
   return manifest_of(resolved_json(plan.study),
                      {{"campaign", plan.campaign.name},
+                      {"calibration", plan.campaign.calibration.filename().string()},
                       {"simulator_sha256", hash_of_text(json_of(run.parameters).dump())},
                       {"simulated", plan.simulated},
                       {"rig", plan.rig},

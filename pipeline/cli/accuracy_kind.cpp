@@ -99,6 +99,7 @@ Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
   Campaign campaign = read_campaign(folder);
   if (!arguments.calibration.empty()) {
     read_calibration(arguments.calibration);  // one error now instead of one a take
+    campaign.calibration = arguments.calibration;
     for (Take& take : campaign.takes) take.calibration = arguments.calibration;
   }
   return campaign;

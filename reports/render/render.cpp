@@ -67,7 +67,8 @@ std::string markdown_cell(const std::string& text) {
 std::string printed(double number, int decimals) {
   if (!std::isfinite(number)) return "–";
   if (decimals < 0) return fmt::format("{:g}", number);
-  const std::string text = fmt::format("{:.{}f}", number, decimals);
+  constexpr int kMostDecimals = 17;  // a file may say any number
+  const std::string text = fmt::format("{:.{}f}", number, std::min(decimals, kMostDecimals));
   // what rounds to nothing has no sign
   return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
 }

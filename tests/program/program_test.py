@@ -120,6 +120,9 @@ sys.exit(code)
             trilat("run", self.written("study.json", STUDY), "--campaign", self.folder / "campaign", "-o", self.folder / name, *more)
             cells = json.loads((self.folder / name / "summary.json").read_text())["cells"]
             errors[name] = next(c["mae_m"] for c in cells if c["method"] == "mean" and c["group"] == "head")
+            trilat("report", self.folder / name, "-o", self.folder / f"{name}-report")
+            page = (self.folder / f"{name}-report/report.html").read_text()
+            self.assertEqual("--calibration c.json" in page, name == "calibrated")
         self.assertAlmostEqual(errors["calibrated"], errors["exact"], delta=0.01)
         self.assertNotEqual(errors["calibrated"], errors["exact"])
 
