@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/paper_evidence.h"
 
-#include <algorithm>
-#include <array>
-
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
