@@ -8,7 +8,6 @@
 #include "datasets/results/summary.h"
 #include "reports/render/render.h"
 #include "reports/report_content.h"
-#include "reports/tables/accuracy_words.h"
 #include "reports/tables/tables.h"
 
 namespace trilat {
@@ -19,44 +18,6 @@ constexpr const char* kRecorded =
     "Recorded, for comparison: against Vicon one real Kinect v2 errs by 0.8 to 4.4 cm, by movement (UI-PRMD, "
     "five persons, each joint’s constant offset taken away); two at 90 degrees disagree by 5.5 to 11 cm in "
     "the median while a person walks (KinectMultiTrack, six persons).";
-
-// How the paper's methods, the mean and the best one do when walking, beside what the paper prints.
-std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
-  constexpr const char* kCondition = "walking";
-  // relative to the mean, as the paper has it
-  const bool relative = std::ranges::find(s.alignments, "mean") != s.alignments.end();
-  const std::string alignment = relative ? "mean" : s.alignments.front();
-  const std::string group = average_group(s);
-  const auto cell = [&](const std::string& method) {
-    const SummaryCell* found = find_cell(s, method, kCondition, group, alignment);
-    return found && std::isfinite(found->mae_m) ? found : nullptr;
-  };
-  std::vector<std::string> answers;
-  std::string ours, printed;
-  for (const char* method : {"nonlinear", "linear", "geometric"})
-    if (const SummaryCell* c = cell(method)) {
-      ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_text(*c));
-      if (const double cm = printed_table3_cm(s, kCondition, group, method); std::isfinite(cm))
-        printed += fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", cm);
-    }
-  if (ours.empty()) return answers;
-  answers.push_back(fmt::format("**Trilateration** of {} walker{}, {}: mean error {}.{}", s.participants,
-                                s.participants == 1 ? "" : "s", s.simulated ? "simulated" : "recorded", ours,
-                                relative && !printed.empty() ? " The paper prints " + printed + " cm." : ""));
-  if (const SummaryCell* mean = cell("mean")) {
-    const std::string against = difference_text(s, kCondition, alignment, "mean");
-    answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}{}{}.", error_text(*mean),
-                                  against.empty() ? "" : ": ", against));
-  }
-  const BestMethod* best = find_best(s, kCondition, group);
-  if (best && best->method != "mean" && alignment == s.alignments.front() && cell(best->method))
-    answers.push_back(
-        fmt::format("**`{}`** errs least, by {}{}.", best->method, error_text(*cell(best->method)),
-                    best->like_best.empty()
-                        ? std::string()
-                        : fmt::format("; not told apart from it: `{}`", fmt::join(best->like_best, "`, `"))));
-  return answers;
-}
 
 void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
   for (const char* verdict : {kHolds, kDoesNotHold, kUndecided, kContradicts, kCannotTest})
@@ -87,10 +48,13 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   headline.origin = simulated && recorded ? "Simulated and recorded data"
                     : simulated           ? "Simulated data"
                                           : "Recorded data";
-  const bool on_the_paper = paper && paper->evidence.walking && !paper->evidence.walking->left_out();
+  constexpr const char* kWalking = "table3";  // the study that the paper's question is asked of
+  const bool on_the_paper = paper && std::ranges::any_of(content.chapters, [](const Chapter& c) {
+                              return c.provenance.study == kWalking && !c.on_the_paper.empty();
+                            });
   for (const Chapter& chapter : content.chapters)
     for (const std::string& warning : chapter.warnings)
-      if (!on_the_paper || chapter.provenance.study == paper->evidence.walking->study)
+      if (!on_the_paper || chapter.provenance.study == kWalking)
         headline.warnings.push_back(content.chapters.size() > 1 ? chapter.provenance.folder + ": " + warning
                                                                 : warning);
   if (paper) add_verdicts(paper->claims, headline);
@@ -98,7 +62,8 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
     headline.asked =
         "Is nonlinear trilateration with several Kinect v2 as accurate as the paper says, and better than "
         "simpler methods?";
-    headline.answers = answers_on_the_paper(*paper->evidence.walking);
+    for (const Chapter& chapter : content.chapters)
+      if (chapter.provenance.study == kWalking) headline.answers = chapter.on_the_paper;
     for (const Chapter& chapter : content.chapters)
       for (const std::string& finding : chapter.findings)
         if (is_of(chapter, StudyKind::variations) && finding.starts_with("**nonlinear before the mean**"))
@@ -107,8 +72,7 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
     add_figure(
         content,
         [&](const Chapter& c, const Figure& f) {
-          return is_of(c, StudyKind::accuracy) && c.provenance.study == paper->evidence.walking->study &&
-                 !f.y_names.empty();
+          return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
         },
         headline);
     add_figure(

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/paper/printed_tables.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "datasets/paper/embedded_paper.h"
 
 namespace trilat {
@@ -23,5 +26,19 @@ PrintedCalibration printed_calibration() {
   return read_printed<PrintedCalibration>(embedded::calibration_json, "calibration.json");
 }
 PrintedErrata printed_errata() { return read_printed<PrintedErrata>(embedded::errata_json, "errata.json"); }
+
+double printed_cm(const PrintedTable3& table, const std::vector<std::string>& groups,
+                  const std::string& group, const std::string& method) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const bool are_the_papers =
+      groups.size() == table.rows.size() && std::ranges::all_of(table.rows, [&](const PrintedTable3::Row& r) {
+        return std::ranges::find(groups, r.group) != groups.end();
+      });
+  if (group == table.rows.back().group && !are_the_papers) return kNone;
+  const auto column = std::ranges::find(table.methods, method);
+  const auto row = std::ranges::find(table.rows, group, &PrintedTable3::Row::group);
+  if (column == table.methods.end() || row == table.rows.end()) return kNone;
+  return row->mae_cm[static_cast<std::size_t>(column - table.methods.begin())];
+}
 
 }  // namespace trilat

@@ -67,10 +67,11 @@ struct Figure {
   std::vector<FigureSeries> series{};
   std::vector<FigureBand> bands{};
   std::vector<FigureLine> lines{};
-  bool is_first = false;  // of those that answer the study's question
+  bool is_first = false;     // of those that answer the study's question
+  std::string printed = {};  // "table3": which numbers of the paper belong beside
 
   TRILAT_FIELDS(id, title, caption, x_label, y_label, log_x, log_y, width, x_names, y_names, panels, series,
-                bands, lines, is_first)
+                bands, lines, is_first, printed)
 };
 
 // figures.json, beside a study's summary.json.

@@ -3,13 +3,11 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/summary.h"
 
 namespace trilat {
 
@@ -17,6 +15,7 @@ namespace trilat {
 struct ResultsHead {
   StudyKind kind = StudyKind::accuracy;
   std::string study;
+  std::string campaign;  // empty where the study has none
   bool simulated = true;
   std::vector<ClaimNumber> claims;  // what the study says of the paper
 };
@@ -25,7 +24,6 @@ ResultsHead read_results_head(const std::filesystem::path& folder);
 
 // What results say about the paper, as their studies stored it.
 struct PaperEvidence {
-  std::optional<ResultsSummary> walking;      // of the study table3
   bool is_of_the_paper = false;               // whether there is anything of Tables II or III
   bool any_simulated = false;                 // whether anything here comes from simulated sensors
   std::vector<ClaimNumber> claims;            // of the paper's claims and errata

@@ -260,6 +260,17 @@ const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& m
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
                             const std::string& group);
 
+// The group that stands for all: their average, or the only one.
+std::string average_group(const ResultsSummary& summary);
+// Those with results, their average last.
+std::vector<std::string> groups_in(const ResultsSummary& summary, const std::string& condition);
+// By their errors on average under the first alignment, the least first.
+std::vector<std::string> by_error(const ResultsSummary& summary, const std::string& condition,
+                                  std::vector<std::string> methods);
+// The paper's three, the best single sensor, the mean, range_bearing, the reference and the best; of few
+// methods all. The least error first.
+std::vector<std::string> leading_methods(const ResultsSummary& summary, const std::string& condition);
+
 // What one method's mean error did from one set of results to another, in one condition and joint group. The
 // interval is of 95 %, by Student's t between participants.
 struct ErrorChange {

@@ -78,9 +78,10 @@ struct Table {
   std::vector<std::string> notes;  // one sentence each
   std::uint64_t first_rows = 0;    // what a reader sees before asking for more; 0: all
   Shown shown = Shown::detail;
+  std::string printed = {};  // "table3": which numbers of the paper belong beside or are there
   std::string rows_in = {};  // the CSV file beside tables.json that has them, where `rows` is empty
 
-  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, shown, rows_in)
+  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, shown, printed, rows_in)
   void check(const JsonObject& object) const;
 };
 
@@ -189,14 +190,17 @@ std::vector<TableValue> row_by_key(const Table& table,
 // up as in Markdown, with **bold** and `code`.
 struct StoredTables {
   static constexpr const char *kFile = "tables.json", *kFormat = "trilat.tables";
-  std::string asked;                   // the study's question
-  std::string about;                   // one sentence: how much of what, simulated or recorded
-  std::vector<std::string> findings;   // what it found, one or two sentences each, the first ones first
-  std::vector<std::string> sentences;  // what else it says
+  std::string title;                      // "table3 on paper campaign"
+  std::string asked;                      // the study's question
+  std::string about;                      // one sentence: how much of what, simulated or recorded
+  std::vector<std::string> findings;      // what it found, one or two sentences each, the first ones first
+  std::vector<std::string> on_the_paper;  // what it found beside what the paper prints
+  std::vector<std::string> warnings;      // what a reader must know before believing a number
+  std::vector<std::string> sentences;     // what else it says
   std::map<std::string, std::string> errata;  // what an erratum of the paper does here, by its id
   std::vector<Table> tables;                  // those that answer the study's question first
 
-  TRILAT_FIELDS(asked, about, findings, sentences, errata, tables)
+  TRILAT_FIELDS(title, asked, about, findings, on_the_paper, warnings, sentences, errata, tables)
 };
 // The rows of tables that are shown as files become CSV files beside it.
 void store_tables(const std::filesystem::path& folder, StoredTables shown);

@@ -13,6 +13,7 @@
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/accuracy/evaluate_take.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/claims/paper_claims.h"
@@ -170,6 +171,8 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   const StudyErrors errors(tables, joints, summary);
   summarise(errors, summary);
   summary.claims = claims_of(errors);
+  store_tables(folder, accuracy_shown(summary, outcome.tracking));
+  write_beside(folder, StoredFigures{accuracy_figures(without_sets(summary))});
   write_summary(folder, summary);
   watch.tell(1.0);
 }

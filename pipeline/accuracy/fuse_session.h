@@ -10,9 +10,9 @@
 
 #include "datasets/calibration/calibration.h"
 #include "datasets/markers/joint_files.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/methods/method_spec.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

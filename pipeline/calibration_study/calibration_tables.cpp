@@ -259,6 +259,7 @@ std::string pose_effect(const CalibrationSummary& s) {
 
 StoredTables calibration_tables(const CalibrationSummary& s) {
   StoredTables shown;
+  shown.title = s.study;
   shown.asked = "How exactly is the wand found, and how exactly are the sensors of a rig placed?";
   shown.about = fmt::format(
       "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and sensors, "

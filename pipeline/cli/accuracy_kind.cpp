@@ -7,13 +7,13 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/kinds.h"
 #include "reports/render/render.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
 #include "reports/render/render.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

@@ -12,6 +12,7 @@
 #include "datasets/base/units.h"
 #include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/fuse_session.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/calibrate_wand.h"
 #include "pipeline/calibration/wand_views.h"
@@ -20,7 +21,6 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/machine.h"
 #include "reports/render/render.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

@@ -8,10 +8,10 @@
 #include "datasets/markers/joint_files.h"
 #include "pipeline/accuracy/fuse_session.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 namespace {

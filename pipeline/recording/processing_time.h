@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/results/studies/timings.h"
+#include "datasets/results/timings.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/study/watch.h"
 

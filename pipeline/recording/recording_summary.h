@@ -11,7 +11,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/timings.h"
+#include "datasets/results/timings.h"
 
 namespace trilat {
 

@@ -212,6 +212,7 @@ std::string clock_effect(const RecordingSummary& s) {
 
 StoredTables recording_tables(const RecordingSummary& summary, const std::optional<StageTimings>& timings) {
   StoredTables shown;
+  shown.title = summary.study;
   shown.asked = "How well do the clocks agree, and are frames processed in time?";
   shown.about = fmt::format(
       "Clocks and processing times, **simulated** recordings (seed {}); the times that frames take are "

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "datasets/results/studies/timings.h"
 #include "datasets/results/table.h"
+#include "datasets/results/timings.h"
 #include "pipeline/recording/recording_summary.h"
 
 namespace trilat {

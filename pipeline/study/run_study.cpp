@@ -255,7 +255,8 @@ void publish(const fs::path& made, const fs::path& output, const std::string& ma
 bool is_of_summary(const fs::path& path) {
   const std::string name = path.filename().string();
   return name == "simulator.json" || name == "timings.json" || name == "tracking.json" ||
-         name == "points.csv" || name == "sweep.csv" || name == "tables.json" || name == "figures.json";
+         name == "points.csv" || name == "sweep.csv" || name == "by-take-and-joint.csv" ||
+         name == "tables.json" || name == "figures.json";
 }
 
 void write_summary(const Study& study, Run& run, const fs::path& results, const StudyOptions& options,

@@ -12,7 +12,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/studies/timings.h"
+#include "datasets/results/timings.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"

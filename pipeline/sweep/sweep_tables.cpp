@@ -327,6 +327,7 @@ std::string threshold_sentence(const SweepSummary& s) {
 
 StoredTables sweep_tables(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
   StoredTables shown;
+  shown.title = s.study;
   shown.asked = "What does the stopping threshold C cost, and what does it bring?";
   shown.about = fmt::format(
       "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",

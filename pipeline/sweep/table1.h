@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/studies/timings.h"
 #include "datasets/results/table.h"
+#include "datasets/results/timings.h"
 #include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {

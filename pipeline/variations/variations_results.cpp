@@ -317,6 +317,7 @@ void analyse(VariationsSummary& summary) {
 
 StoredTables variation_tables(const VariationsSummary& s) {
   StoredTables shown;
+  shown.title = s.study;
   shown.asked = s.ranges.empty() ? "What does each change of the simulation do to the errors?"
                                  : "Where in the ranges do the conclusions hold, and what decides?";
   shown.about = fmt::format(

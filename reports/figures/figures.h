@@ -12,17 +12,10 @@
 
 namespace trilat {
 
-// The leading methods' mean errors with intervals, a panel a joint group, the least error on top;
-// `with_paper`: the paper's Table III as rings.
-Figure methods_figure(const ResultsSummary& summary, const std::string& condition, bool with_paper);
-
 // Mean error by night, with the nights whose change was accepted; nothing without nights. And the last one's
 // verdict in words.
 std::optional<Figure> history_figure(const History& history);
 std::vector<std::string> history_sentences(const History& history);
-
-// Families named "METHOD, N sensors": error against N.
-std::vector<Figure> sensor_counts_figure(const ResultsSummary& summary);
 
 // Heights of single joints over time, as in the paper's figures: for the first evaluated take of each
 // condition one figure with the truth and a few methods, of the right wrist, elbow or ankle (the paper's

@@ -10,9 +10,9 @@
 #include <unistd.h>
 
 #include "datasets/base/strict_json.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "evaluators/metrics/share.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/variations/variations_spec.h"
 

@@ -3,9 +3,9 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/take/truth_track.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

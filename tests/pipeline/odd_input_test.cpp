@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"

@@ -7,7 +7,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
-#include "datasets/results/studies/timings.h"
+#include "datasets/results/timings.h"
 #include "pipeline/recording/clock_methods.h"
 #include "pipeline/recording/recording_summary.h"
 #include "tests/pipeline/program.h"

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/results/studies/timings.h"
+#include "datasets/results/timings.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_summary.h"
 #include "tests/pipeline/swept_folders.h"

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/calibration/calibration.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

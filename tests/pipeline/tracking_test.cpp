@@ -6,11 +6,11 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

@@ -7,9 +7,9 @@
 
 #include "datasets/base/described.h"
 #include "datasets/results/stored_take.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 

@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/results/studies/tracking_summary.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"
@@ -16,6 +15,7 @@
 #include "evaluators/fusion/self_calibration.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/sensor_track.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 

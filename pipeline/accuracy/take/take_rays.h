@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 

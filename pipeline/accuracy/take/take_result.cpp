@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 void TakeCheck::merge(const TakeCheck& later) {

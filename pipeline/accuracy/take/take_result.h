@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/tracking_check.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "datasets/base/described.h"
-#include "datasets/results/studies/tracking_summary.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 

@@ -5,9 +5,8 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
-#include "datasets/results/table.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/tables.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
 
 namespace trilat {
 namespace {
@@ -19,7 +18,7 @@ bool has_condition(const ResultsSummary& s, const std::string& condition) {
 }
 
 // The paper's column that a method belongs beside: its own is nonlinear, with and without compensation.
-double printed_cm(const PrintedTable2::Row& row, const std::string& method) {
+double papers_cm(const PrintedTable2::Row& row, const std::string& method) {
   if (method == "nonlinear") return row.without_cm;
   if (method.starts_with("nonlinear, occlusion")) return row.with_cm;
   return kNoNumber;
@@ -44,7 +43,7 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
       table.rows.push_back({TableValue::of(printed.part),
                             TableValue::of(std::string(condition == occluded ? "occluded" : "all")),
                             TableValue::of(method),
-                            TableValue::of(is_beside ? printed_cm(printed, method) : kNoNumber, 1),
+                            TableValue::of(is_beside ? papers_cm(printed, method) : kNoNumber, 1),
                             cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m),
                             count_cell(cell->answered), percent_cell(cell->coverage())});
     }
@@ -58,6 +57,7 @@ std::vector<Table> table2(const ResultsSummary& summary) {
   const PrintedTable2 printed = printed_table2();
   Table table;
   table.id = "table2";
+  table.printed = "table2";
   table.title = fmt::format(
       "Table II: mean absolute error with and without occlusion compensation, the paper's beside ours ({}{} "
       "of {} takes, {} participants; alignment: {})",

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/studies/tracking_summary.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
+#include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
 

@@ -10,9 +10,8 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
-#include "datasets/results/table.h"
-#include "reports/tables/accuracy_words.h"
-#include "reports/tables/tables.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
 
 namespace trilat {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reports/tables/accuracy_words.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/units.h"
-#include "reports/tables/tables.h"
 
 namespace trilat {
 

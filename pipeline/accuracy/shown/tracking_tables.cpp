@@ -5,8 +5,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
-#include "datasets/results/table.h"
-#include "reports/tables/tables.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
 
 namespace trilat {
 namespace {

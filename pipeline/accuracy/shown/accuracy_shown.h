@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/results/figure.h"
+#include "datasets/results/summary.h"
+#include "datasets/results/table.h"
+#include "pipeline/accuracy/tracking_summary.h"
+
+namespace trilat {
+
+// What an accuracy study shows: methods by joint and which take is odd first, then all statistics, the
+// paper's Table II where its activities were recorded, and what the sensors' tracking says.
+StoredTables accuracy_shown(const ResultsSummary& summary, const std::optional<TrackingSummary>& tracking);
+// Methods by joint in each condition, and error against the number of sensors.
+std::vector<Figure> accuracy_figures(const ResultsSummary& summary);
+
+// One table a condition and alignment: every group and method with n, coverage, statuses and all statistics;
+// behind it the differences from the reference, and behind those of a condition its whole bodies.
+std::vector<Table> accuracy_tables(const ResultsSummary& summary);
+
+// Methods by joint group, a table a condition, in the study's first alignment: mean errors with intervals,
+// the best marked, and those that are not told apart from it. The leading methods come first.
+std::vector<Table> article_tables(const ResultsSummary& summary);
+// Whether the paper's Table III may stand beside: walking, relative to the mean, against motion capture.
+bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);
+
+// Which take or participant is odd: the leading methods' errors by take, the oddest first. Empty without more
+// than one take.
+std::vector<Table> oddity_tables(const ResultsSummary& summary);
+
+// The paper's Table II beside ours: arms and legs, occluded samples and all. Empty for a study without them.
+std::vector<Table> table2(const ResultsSummary& summary);
+
+// Every method against the study's reference, by joint group. Without rows when there is nothing to compare.
+Table differences_table(const ResultsSummary& summary, const std::string& condition,
+                        const std::string& alignment);
+
+// Whole bodies by method. Without rows when no method has any.
+Table bodies_table(const ResultsSummary& summary, const std::string& condition);
+
+// Each joint of each take by method, under the study's first alignment: takes, participants, joints and sides
+// are group-bys of it.
+std::vector<Table> apart_tables(const ResultsSummary& summary);
+
+// What a run says of how its sensors tracked: which views each rule rejects, by joint and by sensor;
+// exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
+std::vector<Table> tracking_tables(const TrackingSummary& summary);
+
+// One sensor's correction in a line.
+std::string correction_text(const CorrectionRow& row);
+
+// Of a study that leaves sensors out: how well each method predicts what they see. One table or none.
+std::vector<Table> prediction_tables(const TrackingSummary& summary);
+// One take's disagreement along and across the rays, in one line.
+std::string ray_text(const RayRow& row);
+
+// The summary without the methods that stand for one of several sets of sensors: the figure of numbers of
+// sensors has them together. The rows by take stay whole.
+ResultsSummary without_sets(ResultsSummary summary);
+
+// How the paper's methods, the mean and the best one do when walking, beside what the paper prints.
+std::vector<std::string> answers_on_the_paper(const ResultsSummary& summary);
+
+}  // namespace trilat
