@@ -18,26 +18,25 @@ namespace {
 
 constexpr std::size_t kFirstFigures = 3;
 
-void append(Chapter& chapter, std::vector<Figure> figures) {
-  for (Figure& figure : figures) chapter.figures.push_back({std::move(figure), {}, {}});
-}
-
 // Beside the paper its own tables answer.
 void put_the_paper_first(std::vector<Table>& tables) {
   for (Table& table : tables) add_printed(table);
-  if (std::ranges::all_of(tables, [](const Table& table) { return table.printed.empty(); })) return;
-  const bool second = std::ranges::any_of(tables, [](const Table& t) { return t.printed == "table2"; });
-  for (Table& table : tables)
-    if (table.shown != Table::Shown::file)
-      table.shown =
-          table.printed == (second ? "table2" : "table3") ? Table::Shown::first : Table::Shown::detail;
+  for (const char* answers : {"table2", "table3"}) {
+    if (std::ranges::find(tables, answers, &Table::printed) == tables.end()) continue;
+    for (Table& table : tables)
+      if (table.shown != Table::Shown::file)
+        table.shown = table.printed == answers ? Table::Shown::first : Table::Shown::detail;
+    return;
+  }
 }
 
 // What needs the samples.
 void add_takes(Chapter& chapter) {
   const ResultsSummary summary = read_summary(chapter.results);
-  append(chapter, trajectory_figures(chapter.results, summary));
-  chapter.first_figures = std::min(kFirstFigures, std::max(chapter.first_figures, chapter.figures.size()));
+  for (Figure& figure : trajectory_figures(chapter.results, summary)) {
+    figure.is_first = chapter.figures.size() < kFirstFigures;
+    chapter.figures.push_back({std::move(figure), {}, {}});
+  }
   chapter.replays = packed_replays(chapter.results, summary);
 }
 
@@ -68,13 +67,10 @@ Chapter read_chapter(const std::filesystem::path& path, bool paper) {
   }
   std::ranges::stable_sort(stored->tables, {}, &Table::shown);
   std::ranges::stable_sort(figures->figures, std::greater(), &Figure::is_first);
-  for (Table& table : stored->tables) {
-    chapter.first_tables += table.shown == Table::Shown::first;
-    (table.shown == Table::Shown::file ? chapter.apart : chapter.tables).push_back(std::move(table));
-  }
-  chapter.first_figures =
-      static_cast<std::size_t>(std::ranges::count(figures->figures, true, &Figure::is_first));
-  append(chapter, std::move(figures->figures));
+  chapter.tables = std::move(stored->tables);
+  for (Table& table : chapter.tables)
+    if (!table.rows_in.empty()) table.rows_in = (path / table.rows_in).string();
+  for (Figure& figure : figures->figures) chapter.figures.push_back({std::move(figure), {}, {}});
   if (head.kind == StudyKind::accuracy) add_takes(chapter);
   return chapter;
 }

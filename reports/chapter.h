@@ -25,11 +25,8 @@ struct Chapter {
   std::vector<std::string> on_the_paper = {};  // findings beside what the paper prints
   std::vector<std::string> warnings = {};      // what a reader must know before believing a number
   std::vector<std::string> sentences = {};     // what it says, marked up alike
-  std::vector<Table> tables = {};              // those that answer the study's question first
-  std::size_t first_tables = 0;                // how many those are; the others are details
-  std::vector<Table> apart = {};               // long ones, written as CSV alone
+  std::vector<Table> tables = {};              // those that answer the study's question first, files last
   std::vector<DrawnFigure> figures = {};       // not drawn yet; those that answer the question first
-  std::size_t first_figures = 0;
   std::vector<PackedReplay> replays = {};
 };
 

@@ -28,19 +28,39 @@ void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
 
 bool is_of(const Chapter& chapter, StudyKind kind) { return chapter.provenance.kind == kind; }
 
-// The first figure of the first chapter of a kind.
-void add_figure(const ReportContent& content, const auto& is_wanted, Headline& headline) {
-  for (std::size_t c = 0; c < content.chapters.size(); ++c)
-    for (std::size_t f = 0; f < content.chapters[c].first_figures; ++f)
-      if (is_wanted(content.chapters[c], content.chapters[c].figures[f].figure)) {
-        headline.figures.emplace_back(c, f);
+// The first figure that is wanted of those that answer a question.
+void put_in_headline(ReportContent& content, const auto& is_wanted) {
+  for (Chapter& chapter : content.chapters)
+    for (DrawnFigure& drawn : chapter.figures)
+      if (drawn.figure.is_first && is_wanted(chapter, drawn.figure)) {
+        drawn.in_headline = true;
         return;
       }
 }
 
+// Of all studies; what several say stands once, behind their names.
+std::vector<std::string> warnings_of(const std::vector<Chapter>& chapters) {
+  std::vector<std::pair<std::string, std::string>> said;  // by whom, and what
+  for (const Chapter& chapter : chapters)
+    for (const std::string& warning : chapter.warnings) {
+      const auto same = std::ranges::find(said, warning, &std::pair<std::string, std::string>::second);
+      if (same == said.end())
+        said.emplace_back(chapter.provenance.folder, warning);
+      else
+        same->first += ", " + chapter.provenance.folder;
+    }
+  constexpr std::size_t kMost = 6;
+  std::vector<std::string> warnings;
+  for (const auto& [by, warning] : said)
+    if (warnings.size() < kMost) warnings.push_back(chapters.size() > 1 ? by + ": " + warning : warning);
+  if (said.size() > kMost)
+    warnings.push_back(fmt::format("And {} more, in the studies below.", said.size() - kMost));
+  return warnings;
+}
+
 }  // namespace
 
-Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper,
+Headline headline_of(ReportContent& content, const std::optional<PaperFindings>& paper,
                      const std::optional<ErrorChanges>& changes) {
   Headline headline;
   bool simulated = false, recorded = false;
@@ -52,42 +72,29 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
   const bool on_the_paper = paper && std::ranges::any_of(content.chapters, [](const Chapter& c) {
                               return c.provenance.study == kWalking && !c.on_the_paper.empty();
                             });
-  for (const Chapter& chapter : content.chapters)
-    for (const std::string& warning : chapter.warnings)
-      if (!on_the_paper || chapter.provenance.study == kWalking)
-        headline.warnings.push_back(content.chapters.size() > 1 ? chapter.provenance.folder + ": " + warning
-                                                                : warning);
+  headline.warnings = warnings_of(content.chapters);
   if (paper) add_verdicts(paper->claims, headline);
   if (on_the_paper) {
     headline.asked =
         "Is nonlinear trilateration with several Kinect v2 as accurate as the paper says, and better than "
         "simpler methods?";
     for (const Chapter& chapter : content.chapters)
-      if (chapter.provenance.study == kWalking) headline.answers = chapter.on_the_paper;
-    for (const Chapter& chapter : content.chapters)
-      for (const std::string& finding : chapter.findings)
-        if (is_of(chapter, StudyKind::variations) && finding.starts_with("**nonlinear before the mean**"))
-          headline.answers.push_back(finding);
+      if (chapter.provenance.study == kWalking || is_of(chapter, StudyKind::variations))
+        headline.answers.insert(headline.answers.end(), chapter.on_the_paper.begin(),
+                                chapter.on_the_paper.end());
     if (simulated) headline.answers.emplace_back(kRecorded);
-    add_figure(
-        content,
-        [&](const Chapter& c, const Figure& f) {
-          return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
-        },
-        headline);
-    add_figure(
-        content,
-        [](const Chapter& c, const Figure& f) {
-          return is_of(c, StudyKind::variations) && f.id.ends_with("comparisons");
-        },
-        headline);
+    put_in_headline(content, [&](const Chapter& c, const Figure& f) {
+      return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
+    });
+    put_in_headline(content, [](const Chapter& c, const Figure& f) {
+      return is_of(c, StudyKind::variations) && f.id.ends_with("comparisons");
+    });
     return headline;
   }
   if (changes) {
     headline.asked = "What changed, by how much, and is it real?";
     headline.answers = changes_sentences(*changes);
-    add_figure(
-        content, [](const Chapter&, const Figure&) { return true; }, headline);
+    put_in_headline(content, [](const Chapter&, const Figure&) { return true; });
     return headline;
   }
   const bool one_question = std::ranges::all_of(
@@ -103,8 +110,7 @@ Headline headline_of(const ReportContent& content, const std::optional<PaperFind
         ++left_out;
     }
   if (left_out > 0) headline.answers.push_back(fmt::format("And {} more, in the studies below.", left_out));
-  add_figure(
-      content, [](const Chapter&, const Figure&) { return true; }, headline);
+  put_in_headline(content, [](const Chapter&, const Figure&) { return true; });
   return headline;
 }
 

@@ -24,48 +24,29 @@ void make_id(std::string& id, const std::string& study, std::set<std::string>& i
   while (!ids.insert(id).second) id += '_';
 }
 
-// What tells the results apart: the folder's name, and as many of the folders around it as that takes; a
-// number where one folder was given twice.
-std::vector<std::string> names_of(const std::vector<std::filesystem::path>& results) {
-  const auto last_parts = [](const std::filesystem::path& folder, std::size_t count) {
-    std::filesystem::path name, rest = whole_path(folder);
-    for (; count > 0 && rest.has_relative_path(); --count, rest = rest.parent_path())
-      name = name.empty() ? rest.filename() : rest.filename() / name;
-    return name.generic_string();
-  };
-  std::vector<std::string> names;
-  std::set<std::string> ids;
-  for (const auto& folder : results) {
-    const auto shared = [&](std::size_t parts) {
-      return std::ranges::count_if(results, [&](const auto& other) {
-               return whole_path(other) != whole_path(folder) &&
-                      usable_id(last_parts(other, parts)) == usable_id(last_parts(folder, parts));
-             }) > 0;
-    };
-    const std::filesystem::path whole = whole_path(folder);
-    const auto depth = static_cast<std::size_t>(std::distance(whole.begin(), whole.end()));
-    std::size_t parts = 1;
-    while (parts < depth && shared(parts)) ++parts;
-    const std::string name = last_parts(folder, parts);
-    names.push_back(name);
-    for (int n = 2; !ids.insert(usable_id(names.back())).second; ++n)
-      names.back() = fmt::format("{} ({})", name, n);
-  }
-  return names;
+// A report names what it shows by the folders of the results.
+void check_names(const std::vector<std::filesystem::path>& results) {
+  std::map<std::string, std::filesystem::path> known;
+  for (const std::filesystem::path& folder : results)
+    if (const auto [found, is_new] = known.emplace(usable_id(folder_name(folder)), folder); !is_new)
+      throw InputError(
+          folder.string(),
+          fmt::format("has the name of {}, and a report names its tables by it: rename one of the two, "
+                      "or write two reports",
+                      found->second.string()));
 }
 
-std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results,
-                                    const std::vector<std::string>& names) {
+std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
   std::vector<std::pair<std::vector<DeclaredParameter>, std::string>> seen;
-  for (std::size_t r = 0; r < results.size(); ++r) {
-    const std::vector<DeclaredParameter> parameters = read_declared_parameters(results[r]);
+  for (const std::filesystem::path& folder : results) {
+    const std::vector<DeclaredParameter> parameters = read_declared_parameters(folder);
     if (parameters.empty()) continue;
     const auto same =
         std::ranges::find_if(seen, [&](const auto& other) { return other.first == parameters; });
     if (same == seen.end())
-      seen.emplace_back(parameters, names[r]);
+      seen.emplace_back(parameters, folder_name(folder));
     else
-      same->second += ", " + names[r];
+      same->second += ", " + folder_name(folder);
   }
   std::vector<Table> tables;
   for (const auto& [parameters, studies] : seen) {
@@ -73,6 +54,19 @@ std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& re
     tables.back().id = usable_id(studies.substr(0, studies.find(',')));
   }
   return tables;
+}
+
+// As many tables as a reader bears.
+void limit_shown(ReportContent& content) {
+  std::size_t left = 20 - content.changes.has_value() - 2 * content.claims.has_value();
+  for (Chapter& chapter : content.chapters)
+    for (Table& table : chapter.tables) {
+      if (table.shown != Table::Shown::first) continue;
+      if (left == 0)
+        table.shown = Table::Shown::detail;
+      else
+        --left;
+    }
 }
 
 void draw_all(ReportContent& content) {
@@ -83,7 +77,10 @@ void draw_all(ReportContent& content) {
   const bool has_pictures = std::ranges::all_of(drawn, &DrawnFigure::is_drawn);
   auto next = drawn.begin();
   for (Chapter& chapter : content.chapters)
-    for (DrawnFigure& figure : chapter.figures) figure = std::move(*next++);
+    for (DrawnFigure& figure : chapter.figures) {
+      next->in_headline = figure.in_headline;
+      figure = std::move(*next++);
+    }
   if (!has_pictures)
     content.headline.warnings.emplace_back(
         "There are no pictures, because gnuplot is not installed (`apt-get install gnuplot-nox`); the "
@@ -97,14 +94,10 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper,
                           const std::optional<ErrorChanges>& changes, const History& history,
                           const std::function<void(double)>& progress) {
+  check_names(results);
   ReportContent content;
-  const std::vector<std::string> names = names_of(results);
   for (const auto& path : results) {
     content.chapters.push_back(read_chapter(path, paper.has_value()));
-    Chapter& chapter = content.chapters.back();
-    const std::string name = names[content.chapters.size() - 1];
-    if (name != chapter.provenance.folder) chapter.title += ": " + name;
-    chapter.provenance.folder = name;
     if (progress)
       progress(static_cast<double>(content.chapters.size()) / static_cast<double>(results.size()));
   }
@@ -112,20 +105,22 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   if (changes) {
     content.changes = changes_table(*changes);
     make_id(content.changes->id, "comparison", ids);
+    content.changes->shown = Table::Shown::first;
   }
   if (paper) {
     content.claims = claims_table(*paper);
     content.audit = {errata_table(*paper), audit_table()};
     make_id(content.claims->id, "paper", ids);
+    content.claims->shown = content.audit.front().shown = Table::Shown::first;
     for (Table& table : content.audit) make_id(table.id, "paper", ids);
   }
   for (Chapter& chapter : content.chapters) {
     const std::string study = usable_id(chapter.provenance.folder);
     for (Table& table : chapter.tables) make_id(table.id, study, ids);
-    for (Table& table : chapter.apart) make_id(table.id, study, ids);
     for (DrawnFigure& figure : chapter.figures) make_id(figure.figure.id, study, figure_ids);
   }
-  content.parameters = parameter_tables(results, names);
+  limit_shown(content);
+  content.parameters = parameter_tables(results);
   for (Table& table : content.parameters) make_id(table.id, "assumptions", ids);
   content.headline = headline_of(content, paper, changes);
   const std::vector<std::string> night = history_sentences(history);
@@ -138,30 +133,15 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   return content;
 }
 
-namespace {
-
-// What is asked of is shown first, up to as many tables as a reader bears; `shown` or the others.
-std::vector<const Table*> tables_that(const ReportContent& content, bool shown) {
-  constexpr std::size_t kMostShown = 20;
-  std::vector<const Table*> tables;
-  std::size_t count = 0;
-  const auto add = [&](const Table& table, bool asked) {
-    const bool is_shown = asked && count < kMostShown;
-    count += is_shown;
-    if (is_shown == shown) tables.push_back(&table);
-  };
-  if (content.changes) add(*content.changes, true);
-  if (content.claims) add(*content.claims, true);
-  for (const Chapter& chapter : content.chapters)
-    for (std::size_t t = 0; t < chapter.tables.size(); ++t) add(chapter.tables[t], t < chapter.first_tables);
-  for (std::size_t t = 0; t < content.audit.size(); ++t) add(content.audit[t], t == 0);
-  for (const Table& table : content.parameters) add(table, false);
-  return tables;
+std::vector<const Table*> ReportContent::tables() const {
+  std::vector<const Table*> all;
+  if (changes) all.push_back(&*changes);
+  if (claims) all.push_back(&*claims);
+  for (const Chapter& chapter : chapters)
+    for (const Table& table : chapter.tables) all.push_back(&table);
+  for (const std::vector<Table>* more : {&audit, &parameters})
+    for (const Table& table : *more) all.push_back(&table);
+  return all;
 }
-
-}  // namespace
-
-std::vector<const Table*> ReportContent::shown_tables() const { return tables_that(*this, true); }
-std::vector<const Table*> ReportContent::other_tables() const { return tables_that(*this, false); }
 
 }  // namespace trilat

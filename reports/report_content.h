@@ -22,7 +22,6 @@ struct Headline {
   std::vector<std::string> answers;   // one sentence or two each, the first ones first
   std::vector<std::string> warnings;  // what to know before believing them
   std::vector<std::pair<std::string, std::size_t>> verdicts;  // on the paper's claims, and how many
-  std::vector<std::pair<std::size_t, std::size_t>> figures;   // chapter and figure
   std::optional<DrawnFigure> history;                         // errors by night
 };
 
@@ -36,9 +35,8 @@ struct ReportContent {
   std::vector<Chapter> chapters;
   std::vector<Table> parameters;  // one for all studies that assume the same
 
-  // Those that answer what was asked, in the order of the report, and all others.
-  std::vector<const Table*> shown_tables() const;
-  std::vector<const Table*> other_tables() const;
+  // All, in the order of the report.
+  std::vector<const Table*> tables() const;
 };
 
 // Reads results folders in this order and draws their figures. `paper`: what they say about the paper, as far
@@ -49,8 +47,8 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<ErrorChanges>& changes = {}, const History& history = {},
                           const std::function<void(double)>& progress = {});
 
-// The first screen of a report without figures yet to be drawn.
-Headline headline_of(const ReportContent& content, const std::optional<PaperFindings>& paper,
+// The first screen of a report, and which of its figures stand there.
+Headline headline_of(ReportContent& content, const std::optional<PaperFindings>& paper,
                      const std::optional<ErrorChanges>& changes);
 // The same for a terminal, in lines of at most 100 characters.
 std::string headline_text(const Headline& headline);

@@ -47,9 +47,8 @@ std::string markdown_of(const ReportContent& content) {
   for (const std::string& answer : headline.answers) markdown += "\n- " + answer;
   for (const std::string& warning : headline.warnings) markdown += "\n- Warning: " + warning;
   markdown += '\n';
-  const std::vector<const Table*> shown = content.shown_tables();
   const auto add = [&](const Table& table) {
-    if (std::ranges::find(shown, &table) != shown.end()) markdown += "\n" + markdown_of(table);
+    if (table.shown == Table::Shown::first) markdown += "\n" + markdown_of(table);
   };
   if (content.changes) add(*content.changes);
   if (content.claims) add(*content.claims);
@@ -57,8 +56,8 @@ std::string markdown_of(const ReportContent& content) {
     markdown += fmt::format("\n## {}\n\n{}\n", chapter.title, chapter.about);
     for (const std::string& sentence : chapter.sentences) markdown += "\n" + sentence + "\n";
     for (const Table& table : chapter.tables) add(table);
-    for (std::size_t f = 0; f < chapter.first_figures; ++f)
-      markdown += "\n" + markdown_of(chapter.figures[f]);
+    for (const DrawnFigure& drawn : chapter.figures)
+      if (drawn.figure.is_first) markdown += "\n" + markdown_of(drawn);
   }
   for (const Table& table : content.audit) add(table);
   return markdown;
@@ -114,19 +113,15 @@ class Writer {
   std::vector<std::filesystem::path>& written_;
 };
 
+// What is long is a CSV file alone, which its study may have written.
 void write_tables(const ReportContent& content, Writer& write, const std::function<void(double)>& advance) {
-  std::vector<const Table*> tables = content.shown_tables();
-  for (const Table* table : content.other_tables()) tables.push_back(table);
+  const std::vector<const Table*> tables = content.tables();
   for (std::size_t t = 0; t < tables.size(); ++t) {
-    const std::string path = "tables/" + tables[t]->id;
-    write(path + ".csv", csv_of(*tables[t]));
-    write(path + ".tex", latex_of(*tables[t]));
+    const Table& table = *tables[t];
+    write("tables/" + table.id + ".csv", table.rows_in.empty() ? csv_of(table) : read_file(table.rows_in));
+    if (table.shown != Table::Shown::file) write("tables/" + table.id + ".tex", latex_of(table));
     advance(static_cast<double>(t + 1) / static_cast<double>(tables.size()));
   }
-  for (const Chapter& chapter : content.chapters)
-    for (const Table& table : chapter.apart)
-      write("tables/" + table.id + ".csv",
-            table.rows_in.empty() ? csv_of(table) : read_file(chapter.results / table.rows_in));
 }
 
 void write_figures(const ReportContent& content, Writer& write) {
@@ -153,10 +148,7 @@ ReportFiles write_report(const std::vector<std::filesystem::path>& results,
   };
   const ReportContent content = read_report(results, options.paper, options.changes, options.history,
                                             [&](double share) { advance(kReadShare * share); });
-  ReportFiles report{content.headline,
-                     content.shown_tables().size() + content.other_tables().size(),
-                     content.headline.history.has_value(),
-                     {}};
+  ReportFiles report{content.headline, content.tables().size(), content.headline.history.has_value(), {}};
   for (const Chapter& chapter : content.chapters) report.figures += chapter.figures.size();
   const PageOptions page{options.made.empty() ? time_of_day() : options.made, citation_bibtex(),
                          std::filesystem::exists(options.three_js) ? read_file(options.three_js) : ""};

@@ -269,7 +269,10 @@ StoredTables calibration_tables(const CalibrationSummary& s) {
   for (const WandErratum& e : wand_errata(s)) shown.errata.emplace(e.id, e.effect);  // the first of each
   for (const char* id : {"E4", "E5", "E19"}) shown.errata.emplace(id, pose_effect(s));
   std::vector<Table>& tables = shown.tables;
-  if (!s.wand.empty()) tables.push_back(calibration_wand_table(s));
+  if (!s.wand.empty()) {
+    tables.push_back(calibration_wand_table(s));
+    tables.back().printed = "calibration";
+  }
   if (!s.wand_samples.empty()) tables.push_back(calibration_bins_table(s));
   if (!s.distortion.empty()) tables.push_back(calibration_distortion_table(s));
   if (!s.rigs.empty()) tables.push_back(calibration_rigs_table(s));

@@ -224,6 +224,7 @@ StoredTables recording_tables(const RecordingSummary& summary, const std::option
   if (!summary.queues.empty()) tables.push_back(table4_queue(summary, timings));
   if (!summary.fits.empty()) tables.push_back(table4_fits(summary));
   if (timings && !timings->stages.empty()) tables.push_back(table4_processing(*timings));
+  for (Table& table : tables) table.printed = "table4";
   for (std::size_t t = 0; t < 2 && t < tables.size(); ++t) tables[t].shown = Table::Shown::first;
   return shown;
 }

@@ -81,6 +81,7 @@ Table table_of_readings(const SweepSummary& s, const std::optional<SweepTimings>
        {"corrected", "corrected_iterations", steps(ours)},
        {"answered, E7 (%)", "printed_answered_percent", answered(e7)},
        {"corrected (%)", "corrected_answered_percent", answered(ours)}});
+  table.printed = "table1";
   add_notes(table, "table1",
             {{"error", readings.axis_mean ? "mean over the three axes of the mean absolute error, which is "
                                             "the metric of the best-fitting reading"

@@ -104,20 +104,25 @@ std::string decided_text(const ComparisonShare& in) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// Empty where nothing was compared.
+std::string sentence_of(const VariationsSummary& s, const MethodComparison& comparison) {
+  if (s.ranges.empty() || comparison.by_alignment.front().compared == 0) return {};
+  const ComparisonShare& first = comparison.by_alignment.front();
+  std::string text =
+      fmt::format("**{}** holds in {} of {} simulated campaigns all over the ranges, aligned `{}`",
+                  comparison.name, percent_text(first.share), first.compared, first.alignment);
+  for (const ComparisonShare& in : std::span(comparison.by_alignment).subspan(1))
+    if (in.compared > 0) text += fmt::format("; `{}` {}", in.alignment, percent_text(in.share));
+  if (const std::string decided = decided_text(first); !decided.empty())
+    text += fmt::format("; what decides it: {} of the variance", decided);
+  return text + '.';
+}
+
 std::vector<std::string> sentences_of(const VariationsSummary& s) {
   std::vector<std::string> sentences;
-  for (const MethodComparison& comparison : s.comparisons) {
-    if (s.ranges.empty() || comparison.by_alignment.front().compared == 0) continue;
-    const ComparisonShare& first = comparison.by_alignment.front();
-    std::string text =
-        fmt::format("**{}** holds in {} of {} simulated campaigns all over the ranges, aligned `{}`",
-                    comparison.name, percent_text(first.share), first.compared, first.alignment);
-    for (const ComparisonShare& in : std::span(comparison.by_alignment).subspan(1))
-      if (in.compared > 0) text += fmt::format("; `{}` {}", in.alignment, percent_text(in.share));
-    if (const std::string decided = decided_text(first); !decided.empty())
-      text += fmt::format("; what decides it: {} of the variance", decided);
-    sentences.push_back(text + '.');
-  }
+  for (const MethodComparison& comparison : s.comparisons)
+    if (const std::string sentence = sentence_of(s, comparison); !sentence.empty())
+      sentences.push_back(sentence);
   if (s.failed() > 0)
     sentences.push_back(
         fmt::format("{} of {} campaigns have no errors: points.csv says why.", s.failed(), s.points.size()));
@@ -324,6 +329,11 @@ StoredTables variation_tables(const VariationsSummary& s) {
       "Variations of a simulation, **simulated**: {} campaigns of {} participant{} each, seed {}.",
       s.points.size(), s.participants, s.participants == 1 ? "" : "s", s.seed);
   shown.findings = s.sentences;
+  // the paper's method against the simplest one
+  for (const MethodComparison& comparison : s.comparisons)
+    if (comparison.better == "nonlinear" && comparison.than == std::vector<std::string>{"mean"})
+      if (const std::string sentence = sentence_of(s, comparison); !sentence.empty())
+        shown.on_the_paper.push_back(sentence);
   if (s.ranges.empty())
     shown.tables = {patches_table(s)};
   else

@@ -12,6 +12,7 @@ namespace trilat {
 struct DrawnFigure {
   Figure figure;
   std::string svg, pdf;
+  bool in_headline = false;  // on the first screen of a report
   bool is_drawn() const { return !svg.empty(); }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "reports/page/page.h"
 
+#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -123,10 +124,11 @@ std::string lead_html(const ReportContent& content) {
   html += html_list("answers", headline.answers) + verdicts_html(headline) +
           html_list("warnings", headline.warnings);
   if (headline.history) html += figure_html(*headline.history);
-  if (!headline.figures.empty()) html += "<div class=\"first\">\n";
-  for (const auto& [chapter, figure] : headline.figures)
-    html += figure_html(content.chapters[chapter].figures[figure]);
-  if (!headline.figures.empty()) html += "</div>\n";
+  std::string figures;
+  for (const Chapter& chapter : content.chapters)
+    for (const DrawnFigure& drawn : chapter.figures)
+      if (drawn.in_headline) figures += figure_html(drawn);
+  if (!figures.empty()) html += "<div class=\"first\">\n" + figures + "</div>\n";
   html += "<p class=\"soft\">";
   for (const Chapter& chapter : content.chapters)
     if (chapter.simulated) {
@@ -136,7 +138,7 @@ std::string lead_html(const ReportContent& content) {
       break;
     }
   return html + fmt::format("Below: {} tables; each study lists its others, one CSV each.</p>\n</header>\n",
-                            content.shown_tables().size());
+                            std::ranges::count(content.tables(), Table::Shown::first, &Table::shown));
 }
 
 std::string citation_html(const std::string& citation) {

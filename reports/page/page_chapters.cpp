@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What stands below the first screen.
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -16,10 +17,15 @@ std::size_t column_of(const Table& table, const std::string& key) {
   return static_cast<std::size_t>(found - table.columns.begin());
 }
 
-// The part of the paper that a table stands beside: "Table III" of "Table III: mean error …".
+// The part of the paper that a table stands beside, as its claims name it.
 std::string place_in_paper(const Table& table) {
-  if (table.title.starts_with("Table ")) return table.title.substr(0, table.title.find_first_of(":,"));
-  return table.title.starts_with("Finding the wand") ? "Calibration" : "";
+  static const std::map<std::string, std::string> kPlaces{{"table1", "Table I"},
+                                                          {"table2", "Table II"},
+                                                          {"table3", "Table III"},
+                                                          {"table4", "Table IV"},
+                                                          {"calibration", "Calibration"}};
+  const auto found = kPlaces.find(table.printed);
+  return found == kPlaces.end() ? std::string() : found->second;
 }
 
 // Whether "abstract, Table III" names a place.
@@ -63,21 +69,9 @@ std::string folded(std::size_t count, const std::string& what, const std::string
                      what, lines);
 }
 
-bool is_in(const std::vector<const Table*>& tables, const Table& table) {
-  return std::ranges::find(tables, &table) != tables.end();
-}
-
 std::string chapter_id(std::size_t number) { return fmt::format("chapter-{}", number + 1); }
 
-// Those of the first screen are not shown again.
-bool is_in_headline(const ReportContent& content, std::size_t chapter, std::size_t figure) {
-  return std::ranges::find(content.headline.figures, std::pair{chapter, figure}) !=
-         content.headline.figures.end();
-}
-
-std::string chapter_html(const ReportContent& content, std::size_t number) {
-  const Chapter& chapter = content.chapters[number];
-  const std::vector<const Table*> shown = content.shown_tables();
+std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
   std::string html = "<p class=\"about\">" + html_sentence(chapter.about) + "</p>\n";
   for (const std::string& sentence : chapter.sentences) html += "<p>" + html_sentence(sentence) + "</p>\n";
   html += html_list("warnings", chapter.warnings);
@@ -90,7 +84,7 @@ std::string chapter_html(const ReportContent& content, std::size_t number) {
     ++others;
   };
   for (const Table& table : chapter.tables) {
-    if (!is_in(shown, table)) {
+    if (table.shown != Table::Shown::first) {
       add(table_link(table));
       continue;
     }
@@ -98,11 +92,11 @@ std::string chapter_html(const ReportContent& content, std::size_t number) {
       html += claims_on(content.claims, place);
     html += html_of(table, commands);
   }
-  for (std::size_t f = 0; f < chapter.first_figures; ++f)
-    if (!is_in_headline(content, number, f)) html += figure_html(chapter.figures[f]);
-  for (const Table& table : chapter.apart) add(table_link(table));
-  for (std::size_t f = chapter.first_figures; f < chapter.figures.size(); ++f)
-    add(figure_link(chapter.figures[f]));
+  for (const DrawnFigure& drawn : chapter.figures)
+    if (!drawn.figure.is_first)
+      add(figure_link(drawn));
+    else if (!drawn.in_headline)
+      html += figure_html(drawn);
   html += folded(others, "more tables and figures of this study", links);
   return html;
 }
@@ -196,7 +190,8 @@ PageSection errata_section(const ReportContent& content) {
 std::vector<PageSection> chapter_sections(const ReportContent& content) {
   std::vector<PageSection> sections;
   for (std::size_t c = 0; c < content.chapters.size(); ++c)
-    sections.push_back({chapter_id(c), content.chapters[c].title, chapter_html(content, c)});
+    sections.push_back(
+        {chapter_id(c), content.chapters[c].title, chapter_html(content, content.chapters[c])});
   return sections;
 }
 
