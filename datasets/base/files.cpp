@@ -8,6 +8,7 @@
 #include <memory>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -59,10 +60,14 @@ void publish_file(const std::filesystem::path& partial, const std::filesystem::p
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
-  const std::filesystem::path partial = partial_name(path);
+  fs::path partial;  // another one for each writer
   {
-    const Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
-    if (file.fd < 0) refuse_output(path, "written");
+    Descriptor file;
+    for (int number = 0; file.fd < 0; ++number) {
+      partial = partial_name(path.string() + fmt::format(".{}.{}", ::getpid(), number));
+      file.fd = ::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (file.fd < 0 && errno != EEXIST) refuse_output(path, "written");
+    }
     while (!text.empty()) {
       const ssize_t count = ::write(file.fd, text.data(), text.size());
       if (count < 0 && errno == EINTR) continue;

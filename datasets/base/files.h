@@ -10,7 +10,8 @@
 
 namespace trilat {
 
-// Writes text beside `path`, syncs it and renames it into place: the final name never shows half a file.
+// Writes text beside `path`, syncs it and renames it into place: the final name never shows half a file,
+// and of several writers at once the last one's file stays.
 // InputError with the path when the disk or the folder does not let us.
 void write_file(const std::filesystem::path& path, std::string_view text);
 

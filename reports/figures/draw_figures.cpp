@@ -22,7 +22,6 @@ namespace trilat {
 namespace {
 
 constexpr const char* kAllDrawn = "all figures are drawn";
-constexpr int kNoProgram = 127;                  // as a shell says it
 constexpr std::size_t kMostPicture = 32u << 20;  // bytes
 
 // A file in memory, which gnuplot inherits: it does not tell when a disk is full or cannot be read.
@@ -55,9 +54,9 @@ struct Pictures {
   MemoryFile svg{}, pdf{};
 };
 
-// Runs gnuplot without the user's settings; what it says goes to `said`. Its exit code, or 127 when there is
-// none.
-int run_gnuplot(const std::string& argument, const std::string& said) {
+// Runs gnuplot without the user's settings; what it says goes to `said`. Its exit code, or nothing when it is
+// not installed.
+std::optional<int> run_gnuplot(const std::string& argument, const std::string& said) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -68,10 +67,12 @@ int run_gnuplot(const std::string& argument, const std::string& said) {
   pid_t child = 0;
   const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return kNoProgram;
+  if (error == ENOENT) return {};
+  if (error != 0) throw InputError("gnuplot", fmt::format("cannot be started: {}", std::strerror(error)));
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return kNoProgram;
+    if (errno != EINTR)
+      throw InputError("gnuplot", fmt::format("cannot be waited for: {}", std::strerror(errno)));
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
@@ -113,14 +114,14 @@ std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures) {
   for (std::size_t k = 0; k < figures.size(); ++k) script += drawing_of(figures[k], pictures[k]);
   script += fmt::format("print '{}'\n", kAllDrawn);
   const MemoryFile commands(script), said;
-  const int code = run_gnuplot(commands.name(), said.name());
-  if (code == kNoProgram) {
+  const std::optional<int> code = run_gnuplot(commands.name(), said.name());
+  if (!code) {
     for (Figure& figure : figures) drawn.push_back({std::move(figure), {}, {}});
     return drawn;
   }
   const std::string text = said.text();
-  if (code != 0 || text.find(kAllDrawn) == std::string::npos)
-    throw InputError("gnuplot", fmt::format("ended with {} and says: {}", code, text));
+  if (*code != 0 || text.find(kAllDrawn) == std::string::npos)
+    throw InputError("gnuplot", fmt::format("ended with {} and says: {}", *code, text));
   for (std::size_t k = 0; k < figures.size(); ++k) {
     DrawnFigure picture{std::move(figures[k]), pictures[k].svg.text(), pictures[k].pdf.text()};
     if (!picture.svg.ends_with("</svg>\n\n") || !picture.pdf.ends_with("%%EOF\n"))

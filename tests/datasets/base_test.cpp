@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include <atomic>
 #include <cmath>
 #include <concepts>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -24,6 +30,29 @@ template <class A, class B>
 concept Comparable = requires(A a, B b) {
   a < b;
 };
+
+// Shards that begin at once write the same file.
+TEST(WriteFile, SeveralWritersAtOnceLeaveOneWholeFile) {
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "run.json";
+  const std::string text(100'000, 'x');
+  std::atomic<int> failures = 0, cut = 0;
+  {
+    std::vector<std::jthread> writers;
+    for (int k = 0; k < 4; ++k)
+      writers.emplace_back([&] {
+        for (int n = 0; n < 50; ++n) try {
+            write_file(path, text);
+            if (read_file(path, 1u << 20) != text) ++cut;
+          } catch (const InputError&) {
+            ++failures;
+          }
+      });
+  }
+  EXPECT_EQ(failures, 0);
+  EXPECT_EQ(cut, 0);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
 
 TEST(Time, TwoClocksCanBeNeitherSubtractedNorCompared) {
   static_assert(Subtractable<HostTime, HostTime>);
