@@ -238,7 +238,6 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
 void Replay::reset(std::uint64_t count, std::size_t sensor_count) {
   instants = count;
   joint_m.assign(count * sensor_count * kJointCount * 3, std::numeric_limits<float>::quiet_NaN());
-  state.assign(count * sensor_count * kJointCount, static_cast<std::uint8_t>(TrackingState::not_tracked));
 }
 
 struct StoredTake::State {
@@ -411,8 +410,6 @@ void StoredTake::write_replay(const Replay& replay) {
       .write(0, std::span<const double>(poses));
   node.create_table("joint_m", H5Type::f32, {sensors, kJointCount, 3}, {}, replay.instants)
       .write(0, std::span<const float>(replay.joint_m));
-  node.create_table("state", H5Type::u8, {sensors, kJointCount}, {}, replay.instants)
-      .write(0, std::span<const std::uint8_t>(replay.state));
 }
 
 std::optional<Replay> StoredTake::read_replay() const {
@@ -429,12 +426,10 @@ std::optional<Replay> StoredTake::read_replay() const {
   for (std::size_t s = 0; s < sensors; ++s)
     replay.world_from_sensor.push_back(pose_of(&numbers[s * kPoseNumbers], node.place()));
   const H5Table joints = node.table("joint_m", H5Type::f32, {sensors, kJointCount, 3});
-  const H5Table states = node.table("state", H5Type::u8, {sensors, kJointCount});
-  if (joints.rows() != states.rows() || joints.rows() > std::min(kMaxReplayInstants, state_->head.instants))
-    throw InputError(node.place(), "joint_m and state differ in length, or are longer than the take");
+  if (joints.rows() > std::min(kMaxReplayInstants, state_->head.instants))
+    throw InputError(node.place(), "joint_m is longer than the take");
   replay.reset(joints.rows(), sensors);
   joints.read(0, std::span<float>(replay.joint_m));
-  states.read(0, std::span<std::uint8_t>(replay.state));
   return replay;
 }
 

@@ -58,7 +58,6 @@ struct Replay {
   // x, y, z in the world of every instant, sensor and Kinect joint; NaN where the sensor does not have it.
   // Exchanges of left and right that the study undoes are undone.
   std::vector<float> joint_m;
-  std::vector<std::uint8_t> state;  // TrackingState of the same
 
   // Takes up the shape and says "not seen" everywhere.
   void reset(std::uint64_t instants, std::size_t sensors);

@@ -24,12 +24,6 @@ constexpr std::pair<const char*, const char*> kLetters[] = {
     {"ê", "e"},  {"ë", "e"},  {"ì", "i"},  {"í", "i"},  {"î", "i"},  {"ï", "i"},  {"ñ", "n"},  {"ò", "o"},
     {"ó", "o"},  {"ô", "o"},  {"õ", "o"},  {"ø", "o"},  {"ù", "u"},  {"ú", "u"},  {"û", "u"},  {"É", "E"}};
 
-// A spreadsheet would compute what begins so; numbers are not texts and stay as they are.
-std::string csv_text(const std::string& text) {
-  const bool formula = !text.empty() && std::string_view("=+-@").find(text[0]) != std::string_view::npos;
-  return csv_field(formula ? "'" + text : text);
-}
-
 }  // namespace
 
 std::string header_of(const TableColumn& column) {
@@ -89,7 +83,7 @@ std::string csv_of(const Table& table) {
   for (const auto& row : table.rows) {
     for (std::size_t c = 0; c < row.size(); ++c) {
       if (c > 0) text += ',';
-      text += row[c].number ? number(*row[c].number) : csv_text(row[c].text);
+      text += row[c].number ? number(*row[c].number) : csv_field(row[c].text);
       if (table.columns[c].has_interval) text += "," + number(row[c].low) + "," + number(row[c].high);
     }
     text += "\r\n";

@@ -75,13 +75,14 @@ struct Table {
   std::string title;  // what was measured on what, with every setting that changes a number; says "simulated"
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;
-  std::vector<std::string> notes;  // one sentence each
-  std::uint64_t first_rows = 0;    // what a reader sees before asking for more; 0: all
+  std::vector<std::string> notes;   // one sentence each
+  std::uint64_t first_rows = 0;     // what a reader sees before asking for more; 0: all
+  std::uint64_t first_columns = 0;  // the same of columns
   Shown shown = Shown::detail;
   std::string printed = {};  // "table3": which numbers of the paper belong beside or are there
   std::string rows_in = {};  // the CSV file beside tables.json that has them, where `rows` is empty
 
-  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, shown, printed, rows_in)
+  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, first_columns, shown, printed, rows_in)
   void check(const JsonObject& object) const;
 };
 

@@ -178,7 +178,6 @@ Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& d
             planned.world_from_sensor[s] * body.joint_in_sensor_m[j].cast<double>();
         for (int axis = 0; axis < 3; ++axis)
           replay.joint_m[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(joint_m[axis]);
-        replay.state[slot] = static_cast<std::uint8_t>(body.state[j]);
       }
     }
   return replay;

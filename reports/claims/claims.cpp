@@ -10,10 +10,14 @@
 namespace trilat {
 namespace {
 
+int decimals_of(double value) {
+  const double size = std::abs(value);
+  return size < 10.0 ? 2 : size < 99.0 || size >= 100.0 ? (size < 100.0 ? 1 : 0) : 3;
+}
+
 std::string number_text(const ClaimNumber& number) {
   if (!std::isfinite(number.value)) return "no answer";
-  const double size = std::abs(number.value);
-  const int decimals = size < 10.0 ? 2 : size < 99.0 || size >= 100.0 ? (size < 100.0 ? 1 : 0) : 3;
+  const int decimals = decimals_of(number.value);
   std::string text = fmt::format("{:.{}f} {}", number.value, decimals, number.unit);
   if (std::isfinite(number.low))
     text += fmt::format(" ({:.{}f} to {:.{}f})", number.low, decimals, number.high, decimals);
@@ -21,6 +25,19 @@ std::string number_text(const ClaimNumber& number) {
   if (number.compared < kNearlyAll)
     text += fmt::format(", where both answer ({:.0f} % of the samples)", 100.0 * number.compared);
   return text;
+}
+
+// Without intervals; of several by their names.
+std::string short_text(const JudgedClaim& claim) {
+  std::string text;
+  for (const ClaimNumber& number : claim.numbers) {
+    text += text.empty() ? "" : "; ";
+    if (claim.numbers.size() > 1) text += number.what + ": ";
+    text += std::isfinite(number.value)
+                ? fmt::format("{:.{}f} {}", number.value, decimals_of(number.value), number.unit)
+                : "no answer";
+  }
+  return text.empty() ? "–" : text;
 }
 
 std::string rule_text(const JudgedClaim& claim) {
@@ -56,10 +73,12 @@ Table claims_table(const PaperFindings& findings) {
       {{"claim", "claim", as_text(&R::claim)},
        {"verdict", "verdict", as_text(&R::verdict)},
        {"paper", "paper", as_text(&R::printed)},
+       {"ours", "found", as_text(short_text)},
        {"ours, with interval", "ours", as_text([](const R& r) { return numbers_text(r.numbers); })},
        {"margin and reason", "rule", as_text(rule_text)},
        {"p, corrected", "p", as_text(p_text)},
        {"where", "where", as_text(&R::where)}});
+  table.first_columns = 4;
   add_notes(table, "paper_claims", {{"source", printed_errata().source}});
   if (findings.evidence.any_simulated) add_notes(table, "simulated_claims");
   return table;

@@ -2,8 +2,8 @@
 #include "reports/page/html.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
@@ -15,9 +15,8 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFewRows = 9;  // of a table that needs no filter
-constexpr std::size_t kLong = 40;    // bytes of a text that is broken into lines
-constexpr std::size_t kMany = 12;    // columns that a print has to make small
+constexpr std::size_t kLong = 40;  // bytes of a text that is broken into lines
+constexpr std::size_t kMany = 12;  // columns that a print has to make small
 
 const char* badge_class(const std::string& verdict) {
   if (verdict.starts_with("holds") || verdict == "better") return "holds";
@@ -32,81 +31,72 @@ bool is_long(const Table& table, std::size_t column) {
          });
 }
 
-// The number as CSV has it, and its interval, when that is not what is printed.
-std::string raw_attribute(const TableColumn& column, const TableValue& value, const std::string& text) {
-  if (!value.number) return {};
-  const auto number = [](double v) { return std::isfinite(v) ? fmt::format("{}", v) : std::string(); };
-  const std::string raw = number(*value.number);
-  if (column.has_interval)
-    return fmt::format(" data-v=\"{}\" data-ends=\"{},{}\"", raw, number(value.low), number(value.high));
-  return raw.empty() || (raw == text && value.beside.empty()) ? "" : " data-v=\"" + raw + "\"";
+// The order in which a page shows the columns: averages behind the names of the rows, where a narrow screen
+// shows them.
+std::vector<std::size_t> shown_order(const Table& table) {
+  std::vector<std::size_t> order(table.columns.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto names = std::ranges::find_if(order, [&](std::size_t c) { return !table.columns[c].is_text; });
+  std::stable_partition(names, order.end(),
+                        [&](std::size_t c) { return table.columns[c].key.starts_with("average_"); });
+  return order;
 }
 
-std::string cell_html(const TableColumn& column, const TableValue& value, const char* tag, bool wraps) {
+bool is_rest(const Table& table, std::size_t column) {
+  return table.first_columns > 0 && column >= table.first_columns;
+}
+
+std::string class_of(const Table& table, std::size_t column, bool wraps) {
+  std::string names = table.columns[column].is_text ? wraps ? "long" : "" : "n";
+  if (is_rest(table, column)) names += names.empty() ? "rest" : " rest";
+  return names.empty() ? names : " class=\"" + names + "\"";
+}
+
+std::string cell_html(const TableColumn& column, const TableValue& value) {
   const std::string text = printed(value), interval = printed_interval(value);
-  std::string more;
-  if (value.mark == TableValue::Mark::like_best)
-    more += " <span title=\"not told apart from the best\">≈</span>";
-  if (!interval.empty()) more += " <small>" + interval + "</small>";
-  if (!value.beside.empty()) more += " <small class=\"beside\">" + html_text(value.beside) + "</small>";
   const bool is_verdict =
       column.is_text &&
       (column.key == "verdict" || (column.key == "differs" && (text == "better" || text == "worse")));
-  const std::string shown = is_verdict ? verdict_badge(text) : html_text(text);
-  return fmt::format("<{}{}{}>{}{}</{}>", tag,
-                     !column.is_text ? " class=\"n\""
-                     : wraps         ? " class=\"long\""
-                                     : "",
-                     raw_attribute(column, value, text),
-                     value.mark == TableValue::Mark::best ? "<strong>" + shown + "</strong>" : shown, more,
-                     std::string(tag).substr(0, 2));
+  std::string html = is_verdict ? verdict_badge(text) : html_text(text);
+  if (value.mark == TableValue::Mark::best) html = "<strong>" + html + "</strong>";
+  if (value.mark == TableValue::Mark::like_best)
+    html += " <span title=\"not told apart from the best\">≈</span>";
+  if (!interval.empty()) html += " <small>" + interval + "</small>";
+  if (!value.beside.empty()) html += " <small>" + html_text(value.beside) + "</small>";
+  return html;
 }
 
-std::string head_html(const Table& table) {
+std::string cells_html(const Table& table) {
+  const std::vector<std::size_t> order = shown_order(table);
+  std::vector<std::string> classes;
+  for (std::size_t c = 0; c < table.columns.size(); ++c)
+    classes.push_back(class_of(table, c, is_long(table, c)));
   std::string html = "<thead><tr>";
-  for (const TableColumn& column : table.columns)
-    html += fmt::format(
-        "<th scope=\"col\" aria-sort=\"none\" data-key=\"{}\"{}{}><button type=\"button\">{}</button></th>",
-        html_text(column.key),
-        column.has_interval ? fmt::format(" data-ends=\"{},{}\"", html_text(column.key_of_end("from")),
-                                          html_text(column.key_of_end("to")))
-                            : "",
-        column.is_text ? "" : " class=\"n\"", html_text(header_of(column)));
-  return html + "</tr></thead>\n";
-}
-
-std::string body_html(const Table& table) {
-  std::vector<bool> wraps;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) wraps.push_back(is_long(table, c));
-  std::string html = "<tbody>\n";
+  for (const std::size_t c : order)
+    html += fmt::format("<th scope=\"col\" tabindex=\"0\" aria-sort=\"none\"{}>{}</th>", classes[c],
+                        html_text(header_of(table.columns[c])));
+  html += "</tr></thead>\n<tbody>\n";
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    const auto& row = table.rows[r];
     html += table.first_rows > 0 && r >= table.first_rows ? "<tr class=\"rest\">" : "<tr>";
-    for (std::size_t c = 0; c < row.size(); ++c)
-      html += cell_html(table.columns[c], row[c], c == 0 ? "th scope=\"row\"" : "td", wraps[c]);
+    for (const std::size_t c : order) {
+      const std::string cell = cell_html(table.columns[c], table.rows[r][c]);
+      html += c == 0 ? fmt::format("<th scope=\"row\"{}>{}</th>", classes[c], cell)
+                     : fmt::format("<td{}>{}</td>", classes[c], cell);
+    }
     html += "</tr>\n";
   }
   return html + "</tbody>";
 }
 
-std::string bar_html(const Table& table, const std::string& commands) {
-  std::string html = "<div class=\"bar\">";
+std::string links_html(const Table& table) {
+  std::string html = "<div class=\"links\">";
   if (table.first_rows > 0 && table.first_rows < table.rows.size())
-    html += fmt::format("<button type=\"button\" class=\"rest script\">Show {} more rows</button>",
+    html += fmt::format("<button type=\"button\" class=\"more\">Show {} more rows</button>",
                         table.rows.size() - table.first_rows);
-  else if (table.rows.size() >= kFewRows)
-    html += fmt::format(
-        "<input class=\"script\" type=\"search\" placeholder=\"Filter rows\" aria-label=\"Filter rows of "
-        "this table\"><span class=\"shown\" role=\"status\">{} rows</span>",
-        table.rows.size());
-  html += fmt::format(
-      "<a href=\"tables/{0}.csv\">CSV</a><a href=\"tables/{0}.tex\">LaTeX</a><button type=\"button\" "
-      "class=\"copy script\">Copy CSV</button>",
-      html_text(table.id));
-  if (!commands.empty())
-    html += "<details class=\"script how\"><summary>Command</summary><pre>" + html_text(commands) +
-            "</pre></details>";
-  return html + "</div>\n";
+  else if (table.first_columns > 0 && table.first_columns < table.columns.size())
+    html += "<button type=\"button\" class=\"more\">Show intervals and details</button>";
+  return html + fmt::format("<a href=\"tables/{0}.csv\">CSV</a><a href=\"tables/{0}.tex\">LaTeX</a></div>\n",
+                            html_text(table.id));
 }
 
 }  // namespace
@@ -122,20 +112,18 @@ std::string html_title(const std::string& title) {
          html_text(title.substr(bracket + 1)) + "</span>";
 }
 
-std::string html_of(const Table& table, const std::string& commands) {
-  const std::string id = html_text(table.id);
-  std::string html = fmt::format(
+std::string html_of(const Table& table) {
+  const std::string title = html_text(table.title);
+  std::string notes;
+  for (const std::string& note : table.notes) notes += "<li>" + html_text(note) + "</li>\n";
+  if (!notes.empty()) notes = "<ul class=\"notes\">" + notes + "</ul>\n";
+  return fmt::format(
       "<div class=\"table{}{}\" id=\"table-{}\">\n<p class=\"title\">{}</p>\n{}<div class=\"scroll\" "
-      "tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n",
-      table.id == "paper/claims" ? " claims" : "", table.columns.size() > kMany ? " many" : "", id,
-      html_title(table.title), bar_html(table, commands), html_text(table.title), html_text(table.title));
-  html += head_html(table) + body_html(table) + "</table></div>\n";
-  if (!table.notes.empty()) {
-    html += "<ul class=\"notes\">";
-    for (const std::string& note : table.notes) html += "<li>" + html_text(note) + "</li>\n";
-    html += "</ul>\n";
-  }
-  return html + "</div>\n";
+      "tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n{}</table></div>\n"
+      "{}</div>\n",
+      table.first_columns > 0 ? " claims" : "", table.columns.size() > kMany ? " many" : "",
+      html_text(table.id), html_title(table.title), links_html(table), title, title, cells_html(table),
+      notes);
 }
 
 std::string html_text(std::string_view text) {
@@ -195,6 +183,41 @@ std::string deflated(std::string_view bytes) {
   TRILAT_CHECK(code == Z_OK, "a buffer of compressBound() is large enough");
   packed.resize(size);
   return packed;
+}
+
+std::string svg_source(std::string_view svg) {
+  constexpr std::string_view kGroup = "<g ", kEnd = "\n</g>\n";
+  std::string source = "data:image/svg+xml,";
+  for (std::size_t at = 0; at < svg.size(); ++at) {
+    if (svg.substr(at, kGroup.size()) == kGroup) {  // gnuplot writes many groups with nothing in them
+      const std::size_t end = svg.find('>', at);
+      if (end != std::string_view::npos && svg.substr(end + 1, kEnd.size()) == kEnd) {
+        at = end + kEnd.size();
+        continue;
+      }
+    }
+    switch (svg[at]) {
+      case '%':
+        source += "%25";
+        break;
+      case '#':
+        source += "%23";
+        break;
+      case '\'':
+        source += "&#39;";
+        break;
+      case '&':
+        source += "&amp;";
+        break;
+      case '\n':
+      case '\t':
+        source += ' ';
+        break;
+      default:
+        source += svg[at];
+    }
+  }
+  return source;
 }
 
 std::string base64_of(std::string_view bytes) {

@@ -8,9 +8,8 @@
 
 namespace trilat {
 
-// A table that page.js sorts by the unrounded numbers, filters and copies as CSV, with its notes, links to
-// its files beside the page and the commands that make its numbers (none: empty).
-std::string html_of(const Table& table, const std::string& commands);
+// A table with its notes and links to its files beside the page, whose script sorts it and shows the rest.
+std::string html_of(const Table& table);
 
 // "holds" as a coloured word; other verdicts alike.
 std::string verdict_badge(const std::string& verdict);
@@ -24,11 +23,14 @@ std::string html_text(std::string_view text);
 // A sentence in which **bold** and `code` are marked up as in Markdown.
 std::string html_sentence(std::string_view text);
 
-// RFC 4648, with padding.
 // A list of sentences; empty without any.
 std::string html_list(const char* style, const std::vector<std::string>& sentences);
+
+// A picture as the source of an image, for attributes in single quotes.
+std::string svg_source(std::string_view svg);
 // zlib, as DecompressionStream("deflate") of a browser reads it.
 std::string deflated(std::string_view bytes);
+// RFC 4648, with padding.
 std::string base64_of(std::string_view bytes);
 
 }  // namespace trilat

@@ -2,10 +2,15 @@
 #include "reports/page/page.h"
 
 #include <algorithm>
+#include <cstring>
+#include <map>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "datasets/base/error.h"
 #include "datasets/base/version.h"
 #include "reports/page/embedded_page.h"
 #include "reports/page/html.h"
@@ -13,8 +18,7 @@
 namespace trilat {
 namespace {
 
-// Of all replays, so that the page stays below 3 MB.
-constexpr std::size_t kMostBytes = 700'000;
+constexpr std::size_t kMostBytes = 1'950'000;  // of a page; replays that do not fit are left out
 
 // JSON in a script element: no "<" may end it.
 std::string script_json(const std::string& json) {
@@ -23,89 +27,49 @@ std::string script_json(const std::string& json) {
   return text;
 }
 
-std::string replay_data_html(const PackedReplay& replay) {
-  return fmt::format(
-      "<script type=\"application/json\" class=\"replay-head\" data-title=\"{}\">{}</script>\n<script "
-      "type=\"text/plain\" class=\"replay-bytes\">{}</script>\n",
-      html_text(replay.title), script_json(replay.header), base64_of(replay.bytes));
-}
-
-// The takes in 3-D, or one line that says why there are none. `three_js` is the library; empty: it was not
-// found.
-PageSection replay_section(const ReportContent& content, const std::string& three_js) {
+// The takes in 3-D, at most so many bytes; nothing when there are none. `three_js` is the library; empty: it
+// was not found.
+PageSection replay_section(const ReportContent& content, const std::string& three_js, std::size_t most) {
   PageSection section{"replay", "Replay in 3-D", {}};
   std::string data, left_out;
-  std::size_t bytes = 0;
-  bool simulated = false;
+  bool any = false, simulated = false;
   for (const Chapter& chapter : content.chapters)
     for (const PackedReplay& replay : chapter.replays) {
-      if (bytes + replay.bytes.size() > kMostBytes) {
+      any = true;
+      if (data.size() + replay.json.size() > most) {
         left_out += (left_out.empty() ? "" : "; ") + replay.title;
         continue;
       }
-      bytes += replay.bytes.size();
       simulated |= chapter.simulated;
-      data += replay_data_html(replay);
+      data += fmt::format("<script type=\"application/json\" class=\"take\" data-title=\"{}\">{}</script>\n",
+                          html_text(replay.title), script_json(replay.json));
     }
-  if (data.empty()) {
-    section.html =
-        "<p>There is no replay: none of the results has one, which <code>trilat run</code> writes "
-        "for studies of kind accuracy.</p>\n";
-    return section;
-  }
+  if (!any) return section;
   if (three_js.empty()) {
     section.html =
-        "<p>There is no replay: three.js was not found. Install the Debian package <code>libjs-three</code> "
-        "and write the report again.</p>\n";
+        "<p>There is no replay, because three.js was not found. Install the Debian package "
+        "<code>libjs-three</code> and write the report again.</p>\n";
     return section;
   }
-  section.html = fmt::format(
-      "<p>The first take of each condition, at most 35&nbsp;s of it{}: what every sensor’s body tracker gave "
-      "(thin, faint where a joint is inferred), each method’s estimate, the truth (thick), and lines from "
-      "truth to estimate coloured by their length. Positions are as estimated, before any alignment, to a "
-      "millimetre.</p>\n",
-      simulated ? ", <strong>simulated</strong>" : "");
   if (!left_out.empty())
-    section.html += "<p class=\"soft\">Left out, to keep the page small: " + html_text(left_out) + ".</p>\n";
-  section.html +=
-      "<div class=\"replay\" id=\"replay-view\"><p class=\"soft\">The replay needs a browser with JavaScript "
-      "and WebGL.</p></div>\n" +
-      data + "<script type=\"text/plain\" id=\"three-js\">" + base64_of(deflated(three_js)) +
-      "</script>\n<script>\n" + embedded::replay_js + "</script>\n";
+    left_out = "<p class=\"soft\">Left out, to keep the page small: " + html_text(left_out) + ".</p>\n";
+  section.html = fmt::format(
+      "<p>The first take of each condition, at most 35&nbsp;s of it{}: what every sensor’s body tracker "
+      "gave, "
+      "one method’s estimate, and the truth, before any alignment.</p>\n{}<div class=\"replay\" "
+      "id=\"replay-view\"><p class=\"soft\">The replay needs a browser with JavaScript and "
+      "WebGL.</p></div>\n{}<script type=\"text/plain\" "
+      "id=\"three-js\">{}</script>\n<script>\n{}</script>\n",
+      simulated ? ", <strong>simulated</strong>" : "", left_out, data, base64_of(deflated(three_js)),
+      embedded::replay_js);
   return section;
 }
 
-constexpr const char* kTitle = "Trilateration accuracy";
-
-// Forbids the page to load anything but pictures that lie beside it.
-constexpr const char* kPolicy =
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: 'self' file:";
-
-std::string head_html(const ReportContent& content) {
-  return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" "
-      "content=\"{}\">\n<meta name=\"generator\" content=\"{}\">\n<link rel=\"icon\" href=\"data:,\">\n"
-      "<title>{} – {}</title>\n<style>\n{}</style>\n<script>document.documentElement.dataset.theme = "
-      "matchMedia(\"(prefers-color-scheme: dark)\").matches ? \"dark\" : \"light\";</script>\n</head>\n",
-      kPolicy, kProgramVersion, kTitle, html_text(content.headline.origin), embedded::page_css);
-}
-
 std::string contents_html(const std::vector<PageSection>& sections) {
-  std::string html = "<nav class=\"contents\" aria-label=\"Contents\">\n<h2>Contents</h2>\n<ol>\n";
-  bool in_chapters = false;
-  for (const PageSection& section : sections) {
-    const bool chapter = section.id.starts_with("chapter-");
-    if (chapter && !in_chapters) html += "<li><a href=\"#" + section.id + "\">Studies</a><ol>\n";
-    if (!chapter && in_chapters) html += "</ol></li>\n";
-    in_chapters = chapter;
+  std::string html;
+  for (const PageSection& section : sections)
     html += fmt::format("<li><a href=\"#{}\">{}</a></li>\n", section.id, html_text(section.name));
-  }
-  if (in_chapters) html += "</ol></li>\n";
-  return html +
-         "</ol>\n<p class=\"tools\"><button type=\"button\" class=\"script\" id=\"theme\">Dark "
-         "page</button></p>\n"
-         "</nav>\n";
+  return html;
 }
 
 std::string verdicts_html(const Headline& headline) {
@@ -119,26 +83,25 @@ std::string verdicts_html(const Headline& headline) {
 // The first screen: what was asked, what was found, on which data, and where to go on.
 std::string lead_html(const ReportContent& content) {
   const Headline& headline = content.headline;
-  std::string html = fmt::format("<header>\n<p class=\"origin\">{}</p>\n<h1>{}</h1>\n",
-                                 html_text(headline.origin), html_text(headline.asked));
+  std::string html = fmt::format("<p class=\"origin\">{}</p>\n<h1>{}</h1>\n", html_text(headline.origin),
+                                 html_text(headline.asked));
   html += html_list("answers", headline.answers) + verdicts_html(headline) +
           html_list("warnings", headline.warnings);
   if (headline.history) html += figure_html(*headline.history);
-  std::string figures;
+  std::string figures, more;
   for (const Chapter& chapter : content.chapters)
     for (const DrawnFigure& drawn : chapter.figures)
       if (drawn.in_headline) figures += figure_html(drawn);
   if (!figures.empty()) html += "<div class=\"first\">\n" + figures + "</div>\n";
-  html += "<p class=\"soft\">";
-  for (const Chapter& chapter : content.chapters)
-    if (chapter.simulated) {
-      html +=
-          "Simulated: no camera was used; a number says what follows from the errors that sensors and body "
-          "tracker are declared to have, by default as measured on real people. ";
-      break;
-    }
-  return html + fmt::format("Below: {} tables; each study lists its others, one CSV each.</p>\n</header>\n",
-                            std::ranges::count(content.tables(), Table::Shown::first, &Table::shown));
+  if (std::ranges::any_of(content.chapters, &Chapter::simulated))
+    more =
+        "Simulated: no camera was used; a number says what follows from the errors that sensors and body "
+        "tracker are declared to have, by default as measured on real people. ";
+  const auto tables = std::ranges::count(content.tables(), Table::Shown::first, &Table::shown);
+  if (tables > 0)
+    more += fmt::format("Below: {} table{}; each study lists its others, one CSV each.", tables,
+                        tables == 1 ? "" : "s");
+  return more.empty() ? html : html + "<p class=\"soft\">" + more + "</p>\n";
 }
 
 std::string citation_html(const std::string& citation) {
@@ -148,35 +111,51 @@ std::string citation_html(const std::string& citation) {
          html_text(citation) + "</pre>\n";
 }
 
-std::string document(const ReportContent& content, const PageOptions& options,
-                     std::vector<PageSection> sections, const std::string& lead) {
-  std::erase_if(sections, [](const PageSection& section) { return section.html.empty(); });
-  std::string html = head_html(content) + "<body>\n<a class=\"skip\" href=\"#" + sections.front().id +
-                     "\">To the content</a>\n<div class=\"frame\">\n" + contents_html(sections) + "<main>\n" +
-                     lead;
-  for (const PageSection& section : sections)
-    html += fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", section.id,
-                        html_text(section.name), section.html);
-  html += fmt::format("<footer>Made by {}, {}.</footer>\n</main>\n</div>\n<script>\n{}</script>\n",
-                      kProgramVersion, html_text(options.made), embedded::page_js);
-  return html + "</body>\n</html>\n";
+// The text with a value for each {{name}} in it.
+std::string filled(std::string_view text, const std::map<std::string_view, std::string>& values) {
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t open = std::min(text.find("{{", at), text.size());
+    result += text.substr(at, open - at);
+    if (open == text.size()) break;
+    const std::size_t close = text.find("}}", open);
+    TRILAT_CHECK(close != std::string_view::npos, "a name in page.html ends with }}");
+    result += values.at(text.substr(open + 2, close - open - 2));
+    at = close + 2;
+  }
+  return result;
 }
 
 }  // namespace
 
 std::string page_of(const ReportContent& content, const PageOptions& options) {
   std::vector<PageSection> sections;
-  if (content.changes) sections.push_back({"changes", "What changed", html_of(*content.changes, {})});
+  if (content.changes) sections.push_back({"changes", "What changed", html_of(*content.changes)});
   for (PageSection& section : chapter_sections(content)) sections.push_back(std::move(section));
   // what the reader's own studies found comes before somebody else's paper
   sections.insert(content.headline.verdicts.empty() ? sections.end() : sections.begin(),
                   claims_section(content));
   sections.push_back(errata_section(content));
   sections.push_back(assumptions_section(content));
-  sections.push_back(replay_section(content, options.three_js));
+  const std::string lead = lead_html(content);
+  std::size_t bytes = std::strlen(embedded::page_html) + lead.size() + options.three_js.size() / 3;
+  for (const PageSection& section : sections) bytes += section.html.size();
+  sections.push_back(replay_section(content, options.three_js, kMostBytes - std::min(kMostBytes, bytes)));
   sections.push_back(provenance_section(content));
   sections.push_back({"article", "For an article", citation_html(options.citation)});
-  return document(content, options, std::move(sections), lead_html(content));
+  std::erase_if(sections, [](const PageSection& section) { return section.html.empty(); });
+  std::string html;
+  for (const PageSection& section : sections)
+    html += fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", section.id,
+                        html_text(section.name), section.html);
+  return filled(embedded::page_html,
+                {{"program", kProgramVersion},
+                 {"title", "Trilateration accuracy – " + html_text(content.headline.origin)},
+                 {"first", sections.front().id},
+                 {"lead", lead},
+                 {"contents", contents_html(sections)},
+                 {"sections", html},
+                 {"made", html_text(options.made)}});
 }
 
 }  // namespace trilat

@@ -75,7 +75,6 @@ std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
   std::string html = "<p class=\"about\">" + html_sentence(chapter.about) + "</p>\n";
   for (const std::string& sentence : chapter.sentences) html += "<p>" + html_sentence(sentence) + "</p>\n";
   html += html_list("warnings", chapter.warnings);
-  const std::string commands = commands_of(chapter.provenance);
   std::set<std::string> judged;
   std::size_t others = 0;
   std::string links;
@@ -90,7 +89,7 @@ std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
     }
     if (const std::string place = place_in_paper(table); judged.insert(place).second)
       html += claims_on(content.claims, place);
-    html += html_of(table, commands);
+    html += html_of(table);
   }
   for (const DrawnFigure& drawn : chapter.figures)
     if (!drawn.figure.is_first)
@@ -98,7 +97,8 @@ std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
     else if (!drawn.in_headline)
       html += figure_html(drawn);
   html += folded(others, "more tables and figures of this study", links);
-  return html;
+  return html + fmt::format("<p class=\"soft\"><a href=\"#made-{}\">Commands and inputs</a></p>\n",
+                            html_text(usable_id(chapter.provenance.folder)));
 }
 
 void add_fact(std::string& html, const char* name, const std::string& value) {
@@ -128,7 +128,8 @@ std::string inputs_html(const Provenance& p) {
 }
 
 std::string provenance_html(const Provenance& p) {
-  std::string html = "<h3>" + html_text(p.folder) + "</h3>\n";
+  std::string html =
+      fmt::format("<h3 id=\"made-{}\">{}</h3>\n", html_text(usable_id(p.folder)), html_text(p.folder));
   if (p.config.empty())
     html += "<p>There is no manifest.json in this folder: what went into these results is not known.</p>\n";
   std::string facts;
@@ -162,25 +163,25 @@ std::string figure_html(const DrawnFigure& drawn) {
     return fmt::format(
         "<p id=\"figure-{0}\"><strong>{1}.</strong> {2} <a href=\"figures/{0}.csv\">CSV</a></p>\n", id, title,
         html_text(figure.caption));
-  const std::string source = "data:image/svg+xml;base64," + base64_of(drawn.svg);
   return fmt::format(
-      "<figure class=\"picture{4}\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
-      "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src=\"{2}\"></div>\n"
+      "<figure{4} id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
+      "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src='{2}'></div>\n"
       "<figcaption><strong>{1}.</strong> {3} <a href=\"figures/{0}.svg\">SVG</a> <a "
       "href=\"figures/{0}.pdf\">PDF</a> <a href=\"figures/{0}.csv\">CSV</a></figcaption>\n</figure>\n",
-      id, title, source, html_text(figure.caption), figure.width == FigureWidth::column ? " column" : "");
+      id, title, svg_source(drawn.svg), html_text(figure.caption),
+      figure.width == FigureWidth::column ? " class=\"column\"" : "");
 }
 
 PageSection claims_section(const ReportContent& content) {
   PageSection section{"claims", "The paper’s claims", {}};
-  if (content.claims) section.html = html_of(*content.claims, {});
+  if (content.claims) section.html = html_of(*content.claims);
   return section;
 }
 
 PageSection errata_section(const ReportContent& content) {
   PageSection section{"errata", "What the paper prints that cannot be so", {}};
   if (content.audit.empty()) return section;
-  section.html = html_of(content.audit.front(), {});
+  section.html = html_of(content.audit.front());
   std::string links;
   for (std::size_t t = 1; t < content.audit.size(); ++t) links += table_link(content.audit[t]);
   section.html += folded(content.audit.size() - 1, "table of the paper's own numbers, recomputed", links);

@@ -9,18 +9,17 @@
 
 namespace trilat {
 
-// What the page's replay of one take needs. `bytes` is a zlib stream of 16-bit little-endian millimetres
-// (-32768: there is none) and then of bytes; each channel is all instants of one number, the first as it is
-// and then differences modulo 2^16 (2^8). Channels, in order: x, y, z of every sensor's Kinect joints; of the
-// truth of every evaluated joint; of the estimate of every joint and method; and the tracking states of the
-// sensors' joints.
+// What the page's replay of one take needs, as JSON: names, the skeleton, counts, and `points` in base64: a
+// zlib stream of 16-bit little-endian millimetres (-32768: there is none). Each channel is all instants of
+// one number, the first as it is and then differences modulo 2^16. Channels, in order: x, y, z of every
+// sensor's Kinect joints; of the truth of every evaluated joint; of every method's estimate of these joints.
 struct PackedReplay {
-  std::string title;   // "walking, take p01-walking"
-  std::string header;  // JSON: names, poses, rate, counts
-  std::string bytes;
+  std::string title;  // "table3: walking, take p01-walking"
+  std::string json;
 };
 
-// One of each take that has a replay. InputError when that is not of the samples beside it.
+// One of each take that has a replay, at most 15 instants a second, with the study's reference, the best
+// method, nonlinear and mean. InputError when a replay is not of the samples beside it.
 std::vector<PackedReplay> packed_replays(const std::filesystem::path& results, const ResultsSummary& summary);
 
 }  // namespace trilat

