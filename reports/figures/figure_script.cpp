@@ -14,8 +14,8 @@ namespace trilat {
 namespace {
 
 constexpr double kColumn_mm = 85.0, kPage_mm = 178.0;
-constexpr double kLetter_mm = 1.55, kLine_mm = 3.6;  // of 8 pt: a wide letter's width, a line's height
-constexpr std::size_t kMostDirect = 8;               // lines with their names at their ends
+constexpr double kLetter_mm = 1.55, kLine_mm = 4.3;  // of 8 pt: a wide letter's width, a line's height
+constexpr double kTitle_mm = 6.0;                    // a panel's
 constexpr std::size_t kFewPoints = 30;               // are drawn large
 constexpr double kSmallDot = 0.4, kLargeDot = 0.55;
 constexpr const char* kShade = "#e4e4e4";
@@ -52,10 +52,6 @@ bool has_interval(const Figure& figure, const FigurePoint& p) {
          !((figure.y_names.empty() ? figure.log_y : figure.log_x) && p.low <= 0.0);
 }
 
-bool is_line(const FigureSeries& s) {
-  return s.style == Style::line || s.style == Style::line_and_dots || s.style == Style::band;
-}
-
 std::size_t longest(const std::vector<std::string>& names) {
   std::size_t most = 0;
   for (const std::string& name : names) most = std::max(most, width_of(name));
@@ -84,10 +80,6 @@ struct Range {
       high += more;
     }
   }
-  // 0 at the low end, 1 at the high one.
-  double place(double value, bool logarithmic) const {
-    return logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
-  }
 };
 
 Range names_range(const std::vector<std::string>& names) {
@@ -112,12 +104,13 @@ Range x_range(const Figure& figure) {
   return range;
 }
 
-Range y_range(const Figure& figure) {
+// Each panel has its own.
+Range y_range(const Figure& figure, std::size_t panel) {
   if (!figure.y_names.empty()) return names_range(figure.y_names);
   Range range;
   for (const FigureSeries& s : figure.series)
     for (const FigurePoint& p : s.points) {
-      if (!can_draw(figure, p)) continue;
+      if (s.panel != panel || !can_draw(figure, p)) continue;
       range.add(p.y);
       for (const double end : {p.low, p.high})
         if (!figure.log_y || end > 0.0) range.add(end);
@@ -161,60 +154,80 @@ std::size_t columns_of(const Figure& figure) {
   return std::min(most, panels_of(figure));
 }
 
-// Names of a few lines stand at their ends instead of in a legend.
-bool names_at_ends(const Figure& figure) {
-  std::set<std::string> groups;
-  for (const FigureSeries& s : figure.series) {
-    if (!is_line(s)) return false;
-    groups.insert(group_of(s));
-  }
-  return figure.bands.empty() && !groups.empty() && groups.size() + figure.lines.size() <= kMostDirect &&
-         figure.panels.empty();
+std::size_t rows_of(const Figure& figure) {
+  return (panels_of(figure) + columns_of(figure) - 1) / columns_of(figure);
+}
+
+// One a group that has points, of all panels.
+std::vector<Entry> all_entries(const Figure& figure) {
+  std::vector<Entry> entries;
+  for (std::size_t p = 0; p < panels_of(figure); ++p)
+    for (Entry& e : entries_of(figure, p)) {
+      const bool is_drawn = std::ranges::any_of(e.series, [&](const FigureSeries* s) {
+        return std::ranges::any_of(s->points,
+                                   [&](const FigurePoint& point) { return can_draw(figure, point); });
+      });
+      const bool is_there = std::ranges::any_of(entries, [&](const Entry& other) {
+        return group_of(*other.series.front()) == group_of(*e.series.front());
+      });
+      if (is_drawn && !is_there) entries.push_back(std::move(e));
+    }
+  return entries;
+}
+
+// Counts, between which no tick belongs.
+bool has_whole_x(const Figure& figure) {
+  return std::ranges::all_of(figure.series, [](const FigureSeries& s) {
+    return std::ranges::all_of(s.points, [](const FigurePoint& p) { return p.x == std::round(p.x); });
+  });
+}
+
+// Ticks at powers of ten or at round numbers, as many as there is room for.
+double tick_step(const Range& range, bool logarithmic, double room_mm) {
+  constexpr double kTick_mm = 10.0;
+  const double most = std::max(2.0, room_mm / kTick_mm);
+  if (logarithmic) return std::pow(10.0, std::max(1.0, std::ceil(std::log10(range.high / range.low) / most)));
+  const double step = (range.high - range.low) / most, power = std::pow(10.0, std::floor(std::log10(step)));
+  for (const double times : {1.0, 2.0, 5.0})
+    if (step <= times * power) return times * power;
+  return 10.0 * power;
+}
+
+std::string tick_names(const char* axis, const std::vector<std::string>& names, bool blank) {
+  std::string text = fmt::format("set {}tics (", axis);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += fmt::format("{}{} {}", k ? ", " : "", blank ? "''" : gnuplot_text(without_formats(names[k])), k);
+  return text + ")\n";
 }
 
 class Script {
  public:
   explicit Script(const Figure& figure)
-      : figure_(figure),
-        size_(size_of(figure)),
-        x_(x_range(figure)),
-        y_(y_range(figure)),
-        direct_(names_at_ends(figure)) {}
+      : figure_(figure), size_(size_of(figure)), legend_(all_entries(figure)), x_(x_range(figure)) {
+    std::set<std::string> bands;
+    for (const FigureBand& band : figure.bands)
+      if (bands.insert(band.name).second) band_names_.push_back(band.name);
+    for (const Entry& e : legend_) legend_names_.push_back(group_of(*e.series.front()));
+    for (const FigureLine& line : figure.lines) legend_names_.push_back(line.label);
+    legend_names_.insert(legend_names_.end(), band_names_.begin(), band_names_.end());
+  }
 
   std::string text() {
-    text_ = settings();
-    const std::size_t panels = panels_of(figure_);
-    if (panels > 1) text_ += "set multiplot\n";
-    for (std::size_t p = 0; p < panels; ++p) add_panel(p);
-    if (panels > 1) text_ += "unset multiplot\n";
-    return text_;
+    text_ = settings() + layout();
+    for (std::size_t p = 0; p < panels_of(figure_); ++p) add_panel(p);
+    return text_ + "unset multiplot\n";
   }
 
  private:
   std::string settings() const {
-    std::string text = fmt::format(
-        "set encoding utf8\nset xlabel {} noenhanced\nset ylabel {} noenhanced\nset border 3 lc rgb "
-        "'#333333' lw 0.6\n"
-        "set tics nomirror noenhanced scale 0.5\nset grid xtics ytics lc rgb '#d8d8d8' lw 0.4 dt 1\nset "
-        "key outside above left Left reverse noenhanced samplen 2 width 1\n",
-        gnuplot_text(figure_.x_label), gnuplot_text(figure_.y_label));
-    if (direct_) text += "unset key\n";
-    if (figure_.log_x)
-      text += "set logscale x\nset format x '%g'\n" + decades("x", x_, panel_width_mm() / 10.0);
-    if (figure_.log_y) text += "set logscale y\nset format y '%g'\n";
-    if (!figure_.x_names.empty()) {
-      text += "set grid noxtics\n" + ticks("x", figure_.x_names);
-      const double room_mm = (size_.width_mm - 18.0) / static_cast<double>(columns_of(figure_));
-      if (static_cast<double>(longest(figure_.x_names) + 1) * kLetter_mm *
-              static_cast<double>(figure_.x_names.size()) >
-          room_mm)
-        text += "set xtics rotate by -30\n";
-    }
-    if (!figure_.y_names.empty())
-      text += "set grid noytics\n" + ticks("y", figure_.y_names) + steps("x", x_, panel_width_mm() / 9.0);
-    text +=
-        fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x_.low, x_.high,
-                    figure_.y_names.empty() ? y_.low : y_.high, figure_.y_names.empty() ? y_.high : y_.low);
+    std::string text =
+        "set encoding utf8\nset border 3 lc rgb '#333333' lw 0.6\n"
+        "set tics nomirror noenhanced scale 0.5\nset grid xtics ytics lc rgb '#d8d8d8' lw 0.4 dt 1\n";
+    if (figure_.log_x) text += "set logscale x\n";
+    if (figure_.log_y) text += "set logscale y\n";
+    if (!figure_.x_names.empty()) text += "set grid noxtics\n";
+    if (!figure_.y_names.empty()) text += "set grid noytics\n";
+    text += fmt::format("set xrange [{}:{}]\n", x_.low, x_.high);
     for (std::size_t k = 0; k < figure_.bands.size(); ++k)
       text += fmt::format(
           "set object {} rectangle from {}, graph 0 to {}, graph 1 behind fillcolor rgb '{}' fillstyle solid "
@@ -223,185 +236,90 @@ class Script {
     return text;
   }
 
-  // So many powers of ten as there is room for.
-  static std::string decades(const char* axis, const Range& range, double room) {
-    const double step = std::ceil(std::log10(range.high / range.low) / std::max(1.0, room));
-    return step > 1.0 ? fmt::format("set {}tics {:g}\n", axis, std::pow(10.0, step)) : std::string();
+  // Legend above all panels, then their titles; room for names and numbers at their left and below.
+  std::string layout() const {
+    const double across = 1.0 / size_.width_mm, up = 1.0 / size_.height_mm;
+    return fmt::format(
+        "set multiplot layout {},{} margins {:.4f},{:.4f},{:.4f},{:.4f} spacing {:.4f},{:.4f}\n",
+        rows_of(figure_), columns_of(figure_), across * left_mm(), 1.0 - across * kRight_mm, up * foot_mm(),
+        1.0 - up * (static_cast<double>(legend_rows()) * kLine_mm + kTitle_mm), across * between_mm(),
+        up * kBetweenRows_mm);
   }
-
-  // Round numbers, as many as there is room for.
-  static std::string steps(const char* axis, const Range& range, double room) {
-    const double step = (range.high - range.low) / std::max(2.0, room);
-    const double power = std::pow(10.0, std::floor(std::log10(step)));
-    const double times = step / power <= 1.0   ? 1.0
-                         : step / power <= 2.0 ? 2.0
-                         : step / power <= 5.0 ? 5.0
-                                               : 10.0;
-    return fmt::format("set {}tics {:g}\n", axis, times * power);
+  double left_mm() const {
+    return figure_.y_names.empty() ? 18.0 : 3.0 + kLetter_mm * static_cast<double>(longest(figure_.y_names));
   }
-
+  double between_mm() const { return figure_.y_names.empty() ? 12.0 : 4.0; }
+  double foot_mm() const { return has_turned_names() ? 25.0 : 13.0; }
   double panel_width_mm() const {
-    const double names_mm = kLetter_mm * static_cast<double>(longest(figure_.y_names));
-    return (size_.width_mm - 18.0 - names_mm) / static_cast<double>(columns_of(figure_)) - 4.0;
+    const auto columns = static_cast<double>(columns_of(figure_));
+    return (size_.width_mm - left_mm() - kRight_mm - (columns - 1.0) * between_mm()) / columns;
+  }
+  bool has_turned_names() const {
+    return kLetter_mm * static_cast<double>((longest(figure_.x_names) + 1) * figure_.x_names.size()) >
+           panel_width_mm();
   }
 
-  static std::string ticks(const char* axis, const std::vector<std::string>& names) {
-    std::string text = fmt::format("set {}tics (", axis);
-    for (std::size_t k = 0; k < names.size(); ++k)
-      text += fmt::format("{}{} {}", k ? ", " : "", gnuplot_text(without_formats(names[k])), k);
-    return text + ")\n";
+  std::size_t legend_rows() const {
+    if (legend_names_.size() < 2) return 0;
+    const double entry_mm = kLetter_mm * static_cast<double>(longest(legend_names_)) + 18.0;
+    const auto across = static_cast<std::size_t>(std::max(1.0, std::floor(size_.width_mm / entry_mm)));
+    return (legend_names_.size() + across - 1) / across;
   }
 
   void add_panel(std::size_t panel) {
     plots_.clear();
-    titled_ = !direct_ && figure_.panels.empty();
-    if (!figure_.panels.empty()) place_panel(panel);
-    const std::vector<Entry> entries = entries_of(figure_, panel);
-    for (const Entry& e : entries) add_points(e);
+    text_ += axes(panel);
+    for (const Entry& e : entries_of(figure_, panel)) add_points(e);
     for (const FigureLine& line : figure_.lines)
       if (!figure_.log_y || line.y > 0.0)
-        plots_.push_back(fmt::format("{} with lines lw 1 dt 2 lc rgb '#222222' {}", script_number(line.y),
-                                     title_of(line.label)));
-    if (titled_) {
-      std::set<std::string> named;
-      for (const FigureBand& band : figure_.bands)
-        if (named.insert(band.name).second)
-          plots_.push_back(fmt::format("keyentry with boxes fillstyle solid noborder lc rgb '{}' title {}",
-                                       kShade, gnuplot_text(band.name)));
-    }
-    if (direct_) name_ends(entries);
+        plots_.push_back(fmt::format("{} with lines {} notitle", script_number(line.y), kLineLook));
+    text_ += "unset key\n";
+    if (panel == 0 && legend_rows() > 0) add_legend();
     if (plots_.empty()) plots_.push_back("NaN notitle");
     text_ += "plot ";
     for (std::size_t k = 0; k < plots_.size(); ++k) text_ += (k ? ", \\\n  " : "") + plots_[k];
-    text_ += panel == 0 && !figure_.panels.empty() ? "\nunset label\nunset arrow\n" : "\n";
+    text_ += "\n";
   }
 
-  std::string title_of(const std::string& name) const {
-    return titled_ ? "title " + gnuplot_text(name) : std::string("notitle");
+  std::string axes(std::size_t panel) const {
+    const std::size_t columns = columns_of(figure_), column = panel % columns;
+    const bool lowest = panel + columns >= panels_of(figure_), has_names = !figure_.y_names.empty();
+    const Range y = y_range(figure_, panel);
+    std::string text = has_names ? fmt::format("set yrange [{}:{}]\n", y.high, y.low)
+                                 : fmt::format("set yrange [{}:{}]\n", y.low, y.high);
+    if (!figure_.panels.empty())
+      text += fmt::format("set title {} noenhanced offset 0,-0.6\n", gnuplot_text(figure_.panels[panel]));
+    text += column == 0 ? fmt::format("set ylabel {} noenhanced\n", gnuplot_text(figure_.y_label))
+                        : std::string("unset ylabel\n");
+    if (has_names) text += tick_names("y", figure_.y_names, column > 0);
+    if (!has_names && figure_.log_y) text += "set format y '%g'\n";
+    text += lowest && column == (columns_of(figure_) - 1) / 2
+                ? fmt::format("set xlabel {} noenhanced offset 0,0.4\n", gnuplot_text(figure_.x_label))
+                : std::string("unset xlabel\n");
+    if (!figure_.x_names.empty())
+      return text + tick_names("x", figure_.x_names, !lowest) +
+             (has_turned_names() ? "set xtics rotate by -30\n" : "");
+    return text + fmt::format("set xtics {:g}\nset format x '{}'\n",
+                              std::max(tick_step(x_, figure_.log_x, panel_width_mm()),
+                                       has_whole_x(figure_) ? 1.0 : 0.0),
+                              !lowest         ? ""
+                              : figure_.log_x ? "%g"
+                                              : "% h");
   }
 
-  // Margins in the whole figure's units; the legend stands above all of them.
-  void place_panel(std::size_t panel) {
-    const std::size_t columns = columns_of(figure_), rows = (panels_of(figure_) + columns - 1) / columns;
-    const std::size_t column = panel % columns, row = panel / columns;
-    const double left_mm =
-        figure_.y_names.empty() ? 15.0 : 3.0 + kLetter_mm * static_cast<double>(longest(figure_.y_names));
-    const double gap_mm = 4.0, head_mm = 5.0, foot_mm = 12.0, legend_mm = legend_rows() * kLine_mm;
-    const double width_mm = (size_.width_mm - left_mm - 3.0 - gap_mm * static_cast<double>(columns - 1)) /
-                            static_cast<double>(columns);
-    const double height_mm = (size_.height_mm - legend_mm - foot_mm - head_mm * static_cast<double>(rows)) /
-                             static_cast<double>(rows);
-    const double x_mm = left_mm + static_cast<double>(column) * (width_mm + gap_mm);
-    const double top_mm =
-        legend_mm + head_mm * static_cast<double>(row + 1) + height_mm * static_cast<double>(row);
-    const bool lowest = row + 1 == rows || panel + columns >= panels_of(figure_);
-    text_ += fmt::format(
-        "set lmargin at screen {:.4f}\nset rmargin at screen {:.4f}\nset tmargin at screen {:.4f}\nset "
-        "bmargin at screen {:.4f}\nset title {} noenhanced offset 0,-0.8\n",
-        x_mm / size_.width_mm, (x_mm + width_mm) / size_.width_mm, 1.0 - top_mm / size_.height_mm,
-        1.0 - (top_mm + height_mm) / size_.height_mm, gnuplot_text(figure_.panels[panel]));
-    if (figure_.y_names.empty())
-      text_ += column == 0 ? fmt::format("set ylabel {} noenhanced\nset format y '{}'\n",
-                                         gnuplot_text(figure_.y_label), figure_.log_y ? "%g" : "% h")
-                           : std::string("unset ylabel\nset format y ''\n");
-    else if (column > 0)
-      text_ += "unset ylabel\nset ytics format ''\n" + blank_ticks(figure_.y_names.size());
-    if (figure_.x_names.empty())
-      text_ += fmt::format("set format x '{}'\n", lowest ? (figure_.log_x ? "%g" : "% h") : "");
-    text_ += lowest && column == columns / 2
-                 ? "set xlabel " + gnuplot_text(figure_.x_label) + " noenhanced offset 0,0.5\n"
-                 : std::string("unset xlabel\n");
-    text_ += "unset key\n";
-    if (panel == 0) add_legend();
-  }
-
-  // The legend of all panels, in lines above them.
+  // Drawn with the first panel, for all.
   void add_legend() {
-    const std::vector<Entry> entries = all_entries();
-    const std::size_t across = legend_columns();
-    for (std::size_t k = 0; k < entries.size() && entries.size() > 1; ++k) {
-      const double x_mm = 3.0 + static_cast<double>(k % across) * legend_entry_mm(),
-                   y_mm = kLine_mm * (static_cast<double>(k / across) + 0.6);
-      const auto at = [&](double off_mm) {
-        return fmt::format("screen {:.4f}, screen {:.4f}", (x_mm + off_mm) / size_.width_mm,
-                           1.0 - y_mm / size_.height_mm);
-      };
-      const Entry& e = entries[k];
-      text_ += fmt::format("set label {} at {} left noenhanced\n", gnuplot_text(group_of(*e.series.front())),
-                           at(6.0));
-      if (e.series.front()->style != Style::dots)
-        text_ += fmt::format("set arrow from {} to {} nohead lw 1.2 dt {} lc rgb '{}'\n", at(0.0), at(4.5),
-                             e.look.dash, e.look.colour);
-      if (!is_line(*e.series.front()) || e.series.front()->style == Style::line_and_dots)
-        text_ += fmt::format("set label '' at {} point {}\n", at(2.2),
-                             marks_of(e, kLargeDot) + " lc rgb '" + e.look.colour + "'");
-    }
-  }
-
-  // One a group, of all panels.
-  std::vector<Entry> all_entries() const {
-    std::vector<Entry> entries;
-    for (std::size_t p = 0; p < panels_of(figure_); ++p)
-      for (Entry& e : entries_of(figure_, p))
-        if (std::ranges::none_of(entries, [&](const Entry& other) {
-              return group_of(*other.series.front()) == group_of(*e.series.front());
-            }))
-          entries.push_back(std::move(e));
-    return entries;
-  }
-
-  static std::string blank_ticks(std::size_t count) {
-    std::string text = "set ytics (";
-    for (std::size_t k = 0; k < count; ++k) text += fmt::format("{}'' {}", k ? ", " : "", k);
-    return text + ")\n";
-  }
-
-  double legend_entry_mm() const {
-    std::size_t characters = 0;
-    for (const FigureSeries& s : figure_.series) characters = std::max(characters, width_of(group_of(s)));
-    return kLetter_mm * static_cast<double>(characters) + 9.0;
-  }
-  std::size_t legend_columns() const {
-    return static_cast<std::size_t>(std::max(1.0, std::floor((size_.width_mm - 4.0) / legend_entry_mm())));
-  }
-  double legend_rows() const {
-    const std::size_t entries = all_entries().size(), across = legend_columns();
-    return entries < 2 ? 0.0 : static_cast<double>((entries + across - 1) / across);
-  }
-
-  // Each name beside the last point of its first line, moved apart where they would lie on each other.
-  void name_ends(const std::vector<Entry>& entries) {
-    struct End {
-      double place = 0.0;
-      std::string name, colour;
+    text_ += fmt::format(
+        "set key at screen {:.4f}, screen {:.4f} left top Left reverse noenhanced samplen 2 width 1 vertical "
+        "maxrows {}\n",
+        2.0 / size_.width_mm, 1.0 - 1.0 / size_.height_mm, legend_rows());
+    const auto add = [&](const std::string& look, const std::string& name) {
+      plots_.push_back("keyentry with " + look + " title " + gnuplot_text(name));
     };
-    std::vector<End> ends;
-    const auto add = [&](double y, const std::string& name, const std::string& colour) {
-      ends.push_back({y_.place(y, figure_.log_y), name, colour});
-    };
-    for (const Entry& e : entries) {
-      const FigurePoint* last = nullptr;
-      for (const FigurePoint& p : e.series.front()->points)
-        if (can_draw(figure_, p) && (!last || p.x > last->x)) last = &p;
-      if (last) add(last->y, group_of(*e.series.front()), e.look.colour);
-    }
-    for (const FigureLine& line : figure_.lines)
-      if (!figure_.log_y || line.y > 0.0) add(line.y, line.label, "#222222");
-    std::ranges::stable_sort(ends, {}, &End::place);
-    const double gap = kLine_mm / (size_.height_mm - 14.0);
-    for (std::size_t k = 1; k < ends.size(); ++k)
-      ends[k].place = std::max(ends[k].place, ends[k - 1].place + gap);
-    double most = 1.0;
-    for (std::size_t k = ends.size(); k-- > 0; most -= gap)
-      ends[k].place = most = std::min(ends[k].place, most);
-    std::vector<std::string> names;
-    for (const End& end : ends) {
-      names.push_back(end.name);
-      text_ += fmt::format("set label {} at graph 1.015, graph {:.4f} left noenhanced textcolor rgb '{}'\n",
-                           gnuplot_text(end.name), end.place, end.colour);
-    }
-    text_ += fmt::format("set rmargin at screen {:.4f}\n",
-                         1.0 - (4.0 + kLetter_mm * static_cast<double>(longest(names))) / size_.width_mm);
+    for (const Entry& e : legend_) add(drawn_as(e, kLargeDot), group_of(*e.series.front()));
+    for (const FigureLine& line : figure_.lines) add(std::string("lines ") + kLineLook, line.label);
+    for (const std::string& name : band_names_)
+      add(fmt::format("boxes fillstyle solid noborder lc rgb '{}'", kShade), name);
   }
 
   static std::string marks_of(const Entry& entry, double dot) {
@@ -452,9 +370,8 @@ class Script {
       plots_.push_back(
           fmt::format("{} using {} with vectors heads size screen 0.004,90 lw 0.8 lc rgb '{}' notitle", name,
                       figure_.y_names.empty() ? "1:3:(0):($4-$3)" : "3:2:($4-$3):(0)", entry.look.colour));
-    plots_.push_back(fmt::format("{} using 1:2 with {} {}", name,
-                                 drawn_as(entry, most <= kFewPoints ? kLargeDot : kSmallDot),
-                                 title_of(group_of(*entry.series.front()))));
+    plots_.push_back(fmt::format("{} using 1:2 with {} notitle", name,
+                                 drawn_as(entry, most <= kFewPoints ? kLargeDot : kSmallDot)));
   }
 
   // Rows of a data block, which must not be empty; an empty row ends a line.
@@ -472,13 +389,18 @@ class Script {
   }
   void end_block() { text_ += empty_ ? "NaN NaN NaN NaN NaN NaN\nEOD\n" : "EOD\n"; }
 
+  static constexpr double kRight_mm = 5.0, kBetweenRows_mm = 10.0;
+  static constexpr const char* kLineLook = "lw 1 dt 2 lc rgb '#222222'";
+
   const Figure& figure_;
   FigureSize size_;
-  Range x_, y_;
-  bool direct_, titled_ = true, empty_ = true;
+  std::vector<Entry> legend_;
+  std::vector<std::string> band_names_, legend_names_;
+  Range x_;
   std::string text_;
   std::vector<std::string> plots_;
   std::size_t blocks_ = 0;
+  bool empty_ = true;
 };
 
 }  // namespace
@@ -486,11 +408,10 @@ class Script {
 FigureSize size_of(const Figure& figure) {
   const bool narrow = figure.width == FigureWidth::column;
   FigureSize size{narrow ? kColumn_mm : kPage_mm, narrow ? 62.0 : 90.0};
-  const auto rows = static_cast<double>((panels_of(figure) + columns_of(figure) - 1) / columns_of(figure));
   if (!figure.y_names.empty())
-    size.height_mm = 26.0 + 4.4 * static_cast<double>(figure.y_names.size());
+    size.height_mm = 30.0 + 4.4 * static_cast<double>(figure.y_names.size());
   else if (!figure.panels.empty())
-    size.height_mm = 18.0 + 48.0 * rows;
+    size.height_mm = 24.0 + 50.0 * static_cast<double>(rows_of(figure));
   return size;
 }
 
