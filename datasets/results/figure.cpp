@@ -36,9 +36,9 @@ std::string csv_of(const Figure& figure) {
   const bool intervals = any_point(figure, [](const FigurePoint& p) { return std::isfinite(p.low); });
   const auto add = [&](const std::string& name) { return ',' + csv_field(name); };
   const std::string unit = unit_of(figure.y_names.empty() ? figure.y_label : figure.x_label);
-  std::string text =
-      (figure.panels.empty() ? "series" : "panel,series") + add(figure.x_label) + add(figure.y_label);
-  if (intervals) text += add("low" + unit) + add("high" + unit);
+  std::string text = (figure.panels.empty() ? "series" : "panel,series") + add(figure.x_label) +
+                     add(figure.y_label.empty() ? "row" : figure.y_label);
+  if (intervals) text += add("from" + unit) + add("to" + unit);
   text += "\r\n";
   const auto named = [](const std::vector<std::string>& names, double place) {
     const auto k = static_cast<std::size_t>(std::lround(std::max(0.0, place)));

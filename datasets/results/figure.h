@@ -85,7 +85,7 @@ struct StoredFigures {
 // Under which name a series stands in the legend.
 const std::string& group_of(const FigureSeries& series);
 
-// The series, x and y under the labels of their axes and, where any point has them, low and high.
+// The series, x and y under the labels of their axes and, where any point has one, the ends of its interval.
 // Full precision (RFC 4180); what is not a number is an empty field, and x is the name that
 // stands there where there are names.
 std::string csv_of(const Figure& figure);

@@ -60,6 +60,7 @@ void add_threads(CLI::App& verb, int& threads);
 
 void add_calibrate(CLI::App& app, int& code);
 void add_demo(CLI::App& app, int& code);
+void add_draw(CLI::App& app, int& code);
 void add_fuse(CLI::App& app, int& code);
 void add_gate(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);

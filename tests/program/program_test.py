@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The program as a person uses it: what it replaces, what it refuses, and what it leaves behind."""
 import json
+import math
 import os
+import re
 import shutil
+import struct
 import subprocess
 import tempfile
 import time
@@ -115,6 +118,7 @@ sys.exit(code)
         start_ns, wand = json.loads(done.stdout)["wand"]["mocap_start_host_ns"], self.folder / "campaign/wand"
         trilat("calibrate", wand / "session.h5", "-o", self.folder / "c.json", "--mocap", wand / "mocap.csv", "--asset", "wand",
                "--mocap-start-host-ns", start_ns)
+        self.check_drawing(wand)
         errors = {}
         for name, more in (("exact", []), ("calibrated", ["--calibration", self.folder / "c.json"])):
             trilat("run", self.written("study.json", STUDY), "--campaign", self.folder / "campaign", "-o", self.folder / name, *more)
@@ -125,6 +129,17 @@ sys.exit(code)
             self.assertEqual("--calibration c.json" in page, name == "calibrated")
         self.assertAlmostEqual(errors["calibrated"], errors["exact"], delta=0.01)
         self.assertNotEqual(errors["calibrated"], errors["exact"])
+
+    def check_drawing(self, wand):
+        """The ball is found in a drawn frame as far from the sensor as its marker is."""
+        said = trilat("draw", wand / "session.h5", "--sensor", "k1", "--frame", 8, "-o", self.folder / "depth.png",
+                      "--calibration", self.folder / "campaign/calibration.json")
+        sensor = json.loads((self.folder / "campaign/calibration.json").read_text())["sensors"][0]["position_m"]
+        at_m = [float(x) for x in (wand / "mocap.csv").read_text().splitlines()[8 + 27].split(",")[-3:]]  # 8 / 30 s at 100 Hz
+        self.assertAlmostEqual(float(re.search(r"k1, depth frame 8, simulated: bodies: 1, ball at (\S+) m", said)[1]),
+                               math.dist(sensor, at_m), delta=0.01)
+        header = struct.unpack(">8s8xII", (self.folder / "depth.png").read_bytes()[:24])
+        self.assertEqual(header, (b"\x89PNG\r\n\x1a\n", 1024, 848))
 
     def test_a_reference_that_answers_nothing_is_named_and_another_is_taken(self):
         three = self.written("simulation.json", {**SIMULATION, "rig": {"heights_m": [0.6, 2.2, 0.9]}})

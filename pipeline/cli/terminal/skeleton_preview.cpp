@@ -2,6 +2,7 @@
 #include "pipeline/cli/terminal/skeleton_preview.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -22,32 +23,33 @@ std::string utf8(unsigned code) {  // of U+2800 to U+28FF
           static_cast<char>(0x80 | (code & 0x3f))};
 }
 
-void draw_body(cv::Mat& image, const Body& body, const DepthIntrinsics& intrinsics, double dots_per_px) {
-  const auto dot_of = [&](std::size_t joint) {
-    const auto& p = body.position_m[joint];
-    const double z = static_cast<double>(p[2]);
-    return cv::Point(
-        static_cast<int>((intrinsics.cx_px + intrinsics.fx_px * static_cast<double>(p[0]) / z) * dots_per_px),
-        static_cast<int>((intrinsics.cy_px - intrinsics.fy_px * static_cast<double>(p[1]) / z) *
-                         dots_per_px));
-  };
-  const auto visible = [&](std::size_t joint) {
-    return body.tracking_state[joint] > 0 && body.position_m[joint][2] > 0.1f;
-  };
-  for (const Bone& bone : kBones) {
-    const auto a = static_cast<std::size_t>(bone.parent), b = static_cast<std::size_t>(bone.child);
-    if (visible(a) && visible(b)) cv::line(image, dot_of(a), dot_of(b), 1);
+}  // namespace
+
+void draw_bodies(cv::Mat& picture, const BodyFrame& frame, const DepthIntrinsics& intrinsics, double scale,
+                 const cv::Scalar& colour) {
+  for (const Body& body : frame.bodies) {
+    const auto point_of = [&](std::size_t joint) -> std::optional<cv::Point> {
+      const Eigen::Vector3d p =
+          Eigen::Map<const Eigen::Vector3f>(body.position_m[joint].data()).cast<double>();
+      const auto pixel = body.tracking_state[joint] > 0 ? project(intrinsics, p) : std::nullopt;
+      if (!pixel) return std::nullopt;
+      return cv::Point(static_cast<int>(scale * pixel->x()), static_cast<int>(scale * pixel->y()));
+    };
+    for (const Bone& bone : kBones) {
+      const auto a = static_cast<std::size_t>(bone.parent), b = static_cast<std::size_t>(bone.child);
+      const bool is_tracked = body.tracking_state[a] == 2 && body.tracking_state[b] == 2;
+      const auto from = point_of(a), to = point_of(b);
+      if (from && to) cv::line(picture, *from, *to, colour, scale > 1.0 && is_tracked ? 2 : 1);
+    }
   }
 }
-
-}  // namespace
 
 std::vector<std::string> skeleton_text(const BodyFrame& frame, const DepthIntrinsics& intrinsics,
                                        int columns) {
   const double dots_per_px = static_cast<double>(columns * kDotsWide) / intrinsics.width_px;
   const int rows = static_cast<int>(intrinsics.height_px * dots_per_px) / kDotsHigh;
   cv::Mat image = cv::Mat::zeros(rows * kDotsHigh, columns * kDotsWide, CV_8UC1);
-  for (const Body& body : frame.bodies) draw_body(image, body, intrinsics, dots_per_px);
+  draw_bodies(image, frame, intrinsics, dots_per_px, 1);
   std::vector<std::string> text(static_cast<std::size_t>(rows));
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "datasets/calibration/calibration.h"
 #include "recorders/frame_source.h"
 
@@ -37,6 +39,11 @@ class SkeletonPreview {
 // joints), in the first sensor's frame: as the method `mean`. Frames and poses are of the same sensors.
 BodyFrame fused_frame(const std::vector<BodyFrame>& frames,
                       const std::vector<RigidTransform>& world_from_sensor);
+
+// Bodies in the sensor's image, of which a pixel is `scale` pixels of the picture. Bones between two tracked
+// joints are twice as wide as others, where the picture is larger than the image.
+void draw_bodies(cv::Mat& picture, const BodyFrame& frame, const DepthIntrinsics& intrinsics, double scale,
+                 const cv::Scalar& colour);
 
 // Bodies in the sensor's image as rows of UTF-8 text, `columns` characters wide.
 std::vector<std::string> skeleton_text(const BodyFrame& frame, const DepthIntrinsics& intrinsics,
