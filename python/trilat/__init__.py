@@ -3,6 +3,7 @@
 
     import trilat
     errors = trilat.results("results").samples()          # a DataFrame
+    shown = trilat.tables("results")                      # every table that the report shows, as DataFrames
     bodies = trilat.session("session.h5")["k1"].bodies()  # arrays
     found = trilat.run("study.json", campaign="camp", output="results")
 
@@ -19,8 +20,9 @@ from trilat.errors import InputError, ProgramError
 from trilat.program import run
 from trilat.read_results import Results, results
 from trilat.read_session import Bodies, Sensor, Session, session
+from trilat.read_tables import tables
 from trilat.skeleton import JOINTS
 from trilat.write_session import SensorFrames, write_session
 
 __all__ = ["Bodies", "InputError", "JOINTS", "ProgramError", "Results", "Sensor", "SensorFrames", "Session",
-           "results", "run", "session", "write_session"]
+           "results", "run", "session", "tables", "write_session"]

@@ -11,6 +11,7 @@ import numpy as np
 
 from trilat.errors import InputError
 from trilat.read_session import open_hdf5
+from trilat.read_tables import tables
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -156,6 +157,10 @@ class Results:
             table.insert(1, "condition", _text(file.attrs["condition"]))
             parts.append(table.rename(columns={"quantity": "joint"}))
         return pandas.concat(parts, ignore_index=True)
+
+    def tables(self) -> "dict[str, pandas.DataFrame]":
+        """What `trilat.tables` gives: every table of the study by its name."""
+        return tables(self.folder)
 
     def samples(self, take: str | None = None) -> "pandas.DataFrame":
         """The columns of `columns()` as a DataFrame: one row an instant, joint and method."""

@@ -59,6 +59,25 @@ class DoorTest(unittest.TestCase):
                 written = [float(row[f"{kind}_{axis}_m"] or "nan") for row in rows]
                 np.testing.assert_array_equal(written, columns[f"{kind}_{axis}_m"])
 
+    @unittest.skipIf(missing("pandas"), "pandas is not installed (Debian: python3-pandas)")
+    def test_tables_are_those_of_the_report(self):
+        import pandas
+        call("report", self.folder / "results", "-o", self.folder / "report")
+        tables = self.results.tables()
+        self.assertIn("errors-walking", tables)
+        self.assertIn("average_mae_from_cm", tables["errors-walking"])
+        self.assertIn("simulated", tables["errors-walking"].attrs["title"])
+        for name, table in tables.items():
+            shown = pandas.read_csv(self.folder / f"report/tables/results/{name}.csv")
+            self.assertEqual(list(table.columns), list(shown.columns), name)
+            for key in table:
+                if shown[key].dtype.kind in "if":
+                    np.testing.assert_allclose(table[key].astype(float), shown[key], rtol=1e-15, err_msg=f"{name} {key}")
+                else:
+                    self.assertEqual([str(x) for x in table[key]], [str(x) for x in shown[key].fillna("")], f"{name} {key}")
+        with self.assertRaisesRegex(trilat.InputError, "tables.json"):
+            trilat.tables(self.folder)
+
     def test_three_cameras_of_ntu_go_from_their_files_to_a_table(self):
         """Simulated bodies, written as NTU RGB+D writes them: no truth, so each camera is predicted from the others."""
         (self.folder / "three.json").write_text(json.dumps(SIMULATION | {
