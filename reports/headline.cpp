@@ -14,10 +14,14 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kMostAnswers = 4;
-constexpr const char* kRecorded =
-    "Recorded, for comparison: against Vicon one real Kinect v2 errs by 0.8 to 4.4 cm, by movement (UI-PRMD, "
-    "five persons, each joint’s constant offset taken away); two at 90 degrees disagree by 5.5 to 11 cm in "
-    "the median while a person walks (KinectMultiTrack, six persons).";
+// "Recorded, for comparison: WHAT: 0.8 to 4.4 cm; …".
+std::string recorded_sentence(const Table& recorded) {
+  std::string text;
+  for (const std::vector<TableValue>& row : recorded.rows)
+    text += fmt::format("{}{}: {} to {} cm", text.empty() ? "Recorded, for comparison: " : "; ", row[0].text,
+                        printed(row[1]), printed(row[2]));
+  return text + ".";
+}
 
 void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
   for (const char* verdict : {kHolds, kDoesNotHold, kUndecided, kContradicts, kCannotTest})
@@ -82,7 +86,7 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
       if (chapter.provenance.study == kWalking || is_of(chapter, StudyKind::variations))
         headline.answers.insert(headline.answers.end(), chapter.on_the_paper.begin(),
                                 chapter.on_the_paper.end());
-    if (simulated) headline.answers.emplace_back(kRecorded);
+    if (simulated) headline.answers.push_back(recorded_sentence(recorded_table()));
     put_in_headline(content, [&](const Chapter& c, const Figure& f) {
       return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
     });

@@ -121,6 +121,7 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   }
   limit_shown(content);
   content.parameters = parameter_tables(results);
+  if (!content.parameters.empty()) content.parameters.push_back(recorded_table());
   for (Table& table : content.parameters) make_id(table.id, "assumptions", ids);
   content.headline = headline_of(content, paper, changes);
   const std::vector<std::string> night = history_sentences(history);

@@ -119,7 +119,7 @@ def check_replay(driver):
     slider = view.find_element(By.CSS_SELECTOR, "input[type=range]")
     driver.execute_script("arguments[0].value = Math.floor(arguments[0].max / 2);"
                           "arguments[0].dispatchEvent(new Event('input', {bubbles: true}))", slider)
-    assert overlay() != start, "scrubbing changes the instant"
+    WebDriverWait(driver, WAIT_S).until(lambda _: overlay() != start, "scrubbing changes the instant")
     assert " cm" in overlay(), overlay()
     # frames that playing shows, on this machine without a graphics card
     view.find_element(By.XPATH, ".//button[text()='Play']").click()
