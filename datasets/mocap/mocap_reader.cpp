@@ -2,6 +2,7 @@
 #include "datasets/mocap/mocap_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -165,6 +166,7 @@ MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t
   FrozenPoses poses(result.header);
   MocapFrame frame;
   while ((result.time.empty() || result.time.back() < until) && reader.next(frame)) {
+    if (result.time.empty() && std::isfinite(frame.printed_time_s)) result.first_s = frame.printed_time_s;
     result.time.push_back(frame.time);
     for (const std::size_t asset : assets) {
       const MocapPose& pose = frame.poses[asset];

@@ -98,7 +98,8 @@ struct RemovedPoses {
 // origin; assets that were not asked for have none.
 struct MocapPositions {
   MocapHeader header;
-  std::vector<MocapTime> time;  // of the frames
+  std::vector<MocapTime> time;  // of the frames, since the first
+  double first_s = 0.0;         // the first frame's time as the file has it; 0 where it has none
   std::vector<std::vector<Eigen::Vector3d>> position_m;
   RemovedPoses removed;
   MocapAnomalies anomalies;

@@ -50,6 +50,7 @@ struct SummaryCell {
   std::map<std::string, std::uint64_t> statuses;  // how the asked ones ended; sums to asked
   double mae_m = kNoNumber;                       // mean Euclidean distance
   std::array<double, 3> axis_mae_m{kNoNumber, kNoNumber, kNoNumber};  // world x, y, z
+  std::array<double, 3> bias_m{kNoNumber, kNoNumber, kNoNumber};      // mean of estimate - truth, the same
   double rmse_m = kNoNumber;
   double p05_m = kNoNumber;
   double p25_m = kNoNumber;
@@ -71,7 +72,7 @@ struct SummaryCell {
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(method, condition, group, alignment, asked, answered)
     field("coverage", self.coverage());
-    TRILAT_EACH(statuses, mae_m, axis_mae_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m, max_m,
+    TRILAT_EACH(statuses, mae_m, axis_mae_m, bias_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m, max_m,
                 mean_iterations, mae_low_m, mae_high_m, clusters)
   }
 };

@@ -57,6 +57,39 @@ namespace {
 constexpr const char* kCampaignFormat = "trilat.campaign";
 constexpr const char* kMappingFormat = "trilat.mapping";
 
+BroughtJoints read_joints(JsonObject& entry, const std::filesystem::path& folder) {
+  BroughtJoints joints;
+  joints.method = entry.text("method");
+  joints.file = path_of(entry, "file", folder);
+  if (entry.has("mapping")) {
+    const Json& value = entry.value("mapping");
+    if (!value.is_object()) entry.refuse("mapping", "must be an object: each joint with the file's names");
+    JsonObject mapping = entry.below("mapping", value);
+    joints.mapping = parse_points(mapping);
+  }
+  entry.shape(
+      "mapping",
+      R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": "string"}}})");
+  joints.clock_by_motion = entry.choice("clock", {"stated", "motion"}, 0) == 1;
+  entry.about({{"method", "name of its rows in the tables"},
+               {"file", "TRC, OptiTrack CSV, or a CSV with time_s, joint, x_m, y_m, z_m"},
+               {"mapping", "of joints to the file's names; without it they are known by their names"},
+               {"clock", "stated: seconds since the recording's start; motion: found by the motion"}});
+  entry.finish();
+  return joints;
+}
+
+void read_brought(JsonObject& entry, const std::filesystem::path& folder, Take& take) {
+  if (!entry.has("joints")) return;
+  for (JsonObject& one : entry.objects("joints")) {
+    take.joints.push_back(read_joints(one, folder));
+    const auto same = [&](const BroughtJoints& other) { return other.method == take.joints.back().method; };
+    if (std::ranges::count_if(take.joints, same) > 1)
+      one.refuse("method", "is \"" + take.joints.back().method + "\", which other joints of this take have");
+  }
+  if (take.joints.empty()) entry.refuse("joints", "must name at least one file");
+}
+
 Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
   Take take;
   take.id = entry.text("id");
@@ -64,12 +97,20 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
     entry.refuse("id", "must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
   take.participant = entry.text("participant");
   take.activity = entry.text("activity", "");
-  take.session = path_of(entry, "session", folder);
-  take.calibration = path_of(entry, "calibration", folder);
+  read_brought(entry, folder, take);
+  const bool has_session = take.joints.empty() || entry.has("session");
+  if (has_session) {
+    take.session = path_of(entry, "session", folder);
+    take.calibration = path_of(entry, "calibration", folder);
+  } else {
+    for (const char* key : {"calibration", "mocap_start_host_ns"})
+      if (entry.has(key)) entry.refuse(key, "is of no use without \"session\"");
+    if (!entry.has("mocap")) entry.refuse("mocap", "is missing: against what are the joints held?");
+  }
   if (entry.has("mocap")) {
     take.mocap = path_of(entry, "mocap", folder);
-    take.mapping = path_of(entry, "mapping", folder);
-    take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
+    if (has_session || entry.has("mapping")) take.mapping = path_of(entry, "mapping", folder);
+    if (has_session) take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
     take.up_axis =
         static_cast<UpAxis>(entry.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
   }
@@ -81,12 +122,13 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
       {{"id", "of the take; names its files"},
        {"participant", "who is seen"},
        {"activity", "what the person does: the condition"},
-       {"session", "recording, relative to this file"},
+       {"session", "recording, relative to this file; a take may have joints instead"},
        {"calibration", "of the sensors"},
        {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
        {"mapping", "of the truth's assets to joints"},
        {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
-       {"up_axis", "of the truth's world; auto: the one along which the person stands, if that is clear"}});
+       {"up_axis", "of the truth's world; auto: the one along which the person stands, if that is clear"},
+       {"joints", "what other methods or systems gave, beside the session or instead of it"}});
   entry.finish();
   return take;
 }
@@ -119,6 +161,28 @@ JointMapping parse_mapping(const Json& json, const std::string& place) {
   object.about({{"joints", "each with the assets whose mean it is"}});
   object.finish();
   return mapping;
+}
+
+std::vector<NamedPoint> parse_points(JsonObject& json) {
+  std::vector<NamedPoint> points;
+  for (const std::string& key : json.keys()) {
+    points.push_back({key, json.texts(key)});
+    if (points.back().assets.empty()) json.refuse(key, "must name at least one asset");
+    if (const std::string twice = first_repeated(points.back().assets); !twice.empty())
+      json.refuse(key, "names the asset \"" + twice + "\" twice");
+  }
+  return points;
+}
+
+std::vector<NamedPoint> read_points(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  JsonObject object(json, path.string(), "");
+  object.format(kMappingFormat);
+  JsonObject joints = object.object("joints");
+  std::vector<NamedPoint> points = parse_points(joints);
+  if (points.empty()) object.refuse("joints", "must map at least one joint");
+  object.finish();
+  return points;
 }
 
 std::string mapping_text(const JointMapping& mapping) {
@@ -166,17 +230,24 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
     return std::filesystem::relative(path, folder).generic_string();
   };
   for (const Take& take : campaign.takes) {
-    takes.push_back({{"id", take.id},
-                     {"participant", take.participant},
-                     {"activity", take.activity},
-                     {"session", inside(take.session)},
-                     {"calibration", inside(take.calibration)}});
-    if (!take.mocap.empty())
-      takes.back().update({{"mocap", inside(take.mocap)},
-                           {"mapping", inside(take.mapping)},
-                           {"mocap_start_host_ns", take.mocap_start_host_ns}});
+    Json json{{"id", take.id}, {"participant", take.participant}, {"activity", take.activity}};
+    const auto add_file = [&](const char* key, const std::filesystem::path& path) {
+      if (!path.empty()) json[key] = inside(path);
+    };
+    add_file("session", take.session);
+    add_file("calibration", take.calibration);
+    add_file("mocap", take.mocap);
+    add_file("mapping", take.mapping);
+    if (!take.mocap.empty() && !take.session.empty()) json["mocap_start_host_ns"] = take.mocap_start_host_ns;
     if (!take.mocap.empty() && take.up_axis != UpAxis::automatic)
-      takes.back()["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
+      json["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
+    for (const BroughtJoints& joints : take.joints) {
+      json["joints"].push_back({{"method", joints.method}, {"file", inside(joints.file)}});
+      for (const NamedPoint& point : joints.mapping)
+        json["joints"].back()["mapping"][point.name] = point.assets;
+      if (joints.clock_by_motion) json["joints"].back()["clock"] = "motion";
+    }
+    takes.push_back(json);
   }
   write_file(folder / "campaign.json", exact_json_text(Json{{"format", kCampaignFormat},
                                                             {"version", 1},

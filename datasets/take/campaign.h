@@ -45,6 +45,12 @@ class StandingAxis {
   std::array<Level, kLevels> levels_;
 };
 
+// A point by name, and the assets of a file whose mean it is.
+struct NamedPoint {
+  std::string name;
+  std::vector<std::string> assets;
+};
+
 // Which OptiTrack assets are which joint: the joint is the mean of the assets' positions. An asset is written
 // as "name" or, where a name stands under two types, "type:name" (types: rigid_body, rigid_body_marker,
 // marker, bone, bone_marker).
@@ -61,11 +67,24 @@ struct JointMapping {
 JointMapping read_mapping(const std::filesystem::path& path);
 JointMapping parse_mapping(const Json& json, const std::string& place);
 std::string mapping_text(const JointMapping& mapping);
+// The same of a take without a session, whose points may have any name; `json`: what stands under "joints".
+std::vector<NamedPoint> read_points(const std::filesystem::path& path);
+std::vector<NamedPoint> parse_points(JsonObject& json);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 
+// Joints that another method or system gave of a take: a TRC, an OptiTrack CSV, or a CSV with the columns of
+// `trilat fuse`. `method` names their rows in the tables. Times are seconds since the recording's start, or,
+// without a session, of the mocap's clock; by motion where they have a clock of their own.
+struct BroughtJoints {
+  std::string method;
+  std::filesystem::path file;
+  std::vector<NamedPoint> mapping = {};  // empty: by the names in the file
+  bool clock_by_motion = false;
+};
+
 // One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is what in it;
-// `mocap` and `mapping` are empty where there is no export. Paths are absolute or relative to the current
-// directory once read.
+// `mocap` and `mapping` are empty where there is no export, `session` and `calibration` where all joints are
+// brought. Paths are absolute or relative to the current directory once read.
 struct Take {
   std::string id;
   std::string participant;
@@ -77,6 +96,7 @@ struct Take {
   // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
   UpAxis up_axis = UpAxis::automatic;  // of the mocap's world
+  std::vector<BroughtJoints> joints{};
 };
 
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the folder.

@@ -23,16 +23,17 @@ enum class SolveStatus : std::uint8_t {
   non_finite_input = 8,  // a sensor, range, weight, hint or start is NaN or infinite
   invalid_input = 9,     // range < 0 or weight <= 0
   diverged = 10,         // an iterate or its cost is not finite
-  no_observation = 11,   // a baseline: no allowed sensor sees the joint
+  no_observation = 11,   // a baseline: no allowed sensor sees the joint; or nothing is given for it
+  given = 12,            // by another method or system
 };
-inline constexpr int kSolveStatusCount = 12;
+inline constexpr int kSolveStatusCount = 13;
 
 std::string_view name_of(SolveStatus status);  // "not_solved", …
 
-// Whether the position may be used as an answer: converged, closed_form or clamped.
+// Whether the position may be used as an answer: converged, closed_form, clamped or given.
 constexpr bool is_usable(SolveStatus status) {
   return status == SolveStatus::converged || status == SolveStatus::closed_form ||
-         status == SolveStatus::clamped;
+         status == SolveStatus::clamped || status == SolveStatus::given;
 }
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

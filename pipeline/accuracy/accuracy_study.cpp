@@ -54,12 +54,6 @@ std::string place_of(const fs::path& file, const fs::path& folder) {
   return inside.empty() || *inside.begin() == ".." ? file.filename().string() : inside.string();
 }
 
-std::vector<std::string> names_of(const std::vector<Joint>& joints) {
-  std::vector<std::string> names;
-  for (const Joint joint : joints) names.emplace_back(name_of(joint));
-  return names;
-}
-
 // Results do not depend on where they were computed.
 TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campaign) {
   for (std::string* text : {&note.place, &note.text})
@@ -123,7 +117,7 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
     summary.conditions.push_back(activity);
     if (plan.study.occluded_apart) summary.conditions.push_back(occluded_condition(activity));
   }
-  summary.groups = groups_of(names_of(plan.joints));
+  summary.groups = groups_of(plan.names);
   for (const Method& method : plan.methods) {
     const MethodSpec& spec = method.spec;
     summary.methods.push_back(spec.name);
@@ -167,11 +161,15 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   const RunOutcome outcome = outcome_of(run.plan, results, run.cross_check);
   write_beside(folder, outcome.tracking);
   ResultsSummary summary = summary_head(run.plan, outcome);
-  const std::vector<std::string> joints = names_of(run.plan.joints);
-  const StudyErrors errors(tables, joints, summary);
+  const StudyErrors errors(tables, run.plan.names, summary);
   summarise(errors, summary);
   summary.claims = claims_of(errors);
-  store_tables(folder, accuracy_shown(summary, outcome.tracking));
+  StoredTables shown = accuracy_shown(summary, outcome.tracking);
+  for (Table& table : agreement_tables(errors)) {
+    table.shown = Table::Shown::file;
+    shown.tables.push_back(std::move(table));
+  }
+  store_tables(folder, std::move(shown));
   write_beside(folder, StoredFigures{accuracy_figures(without_sets(summary))});
   write_summary(folder, summary);
   watch.tell(1.0);
@@ -192,9 +190,8 @@ Json inputs_json(const AccuracyRun& run) {
 // What went into the results. Files that cannot be read are listed without a hash.
 Json manifest_of_run(const AccuracyRun& run) {
   const Plan& plan = run.plan;
-  Json methods = Json::array(), joints = Json::array(), takes = Json::array();
+  Json methods = Json::array(), takes = Json::array();
   for (const Method& method : plan.methods) methods.push_back(method.spec.name);
-  for (Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
   std::uint64_t instants = 0;
   for (const PlannedTake& planned : plan.takes) {
     instants += planned.instants;
@@ -211,10 +208,10 @@ Json manifest_of_run(const AccuracyRun& run) {
                       {"simulated", plan.simulated},
                       {"rig", plan.rig},
                       {"methods", methods},
-                      {"joints", joints},
+                      {"joints", plan.names},
                       {"takes", takes},
                       {"instants", instants},
-                      {"samples", instants * plan.joints.size() * plan.methods.size()},
+                      {"samples", instants * plan.names.size() * plan.methods.size()},
                       {"inputs", inputs_json(run)}});
 }
 

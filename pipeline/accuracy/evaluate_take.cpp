@@ -10,6 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/stored_take.h"
+#include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -62,8 +63,10 @@ class TrackSolver {
         progress_(progress),
         result_(result) {}
 
-  void solve(std::size_t track, const TakeData& data) const {
-    const std::vector<MethodPaths> paths = paths_of(data);
+  // `brought`: paths of what the take brings.
+  void solve(std::size_t track, const TakeData& data, std::vector<MethodPaths> brought) const {
+    std::vector<MethodPaths> paths = paths_of(data);
+    for (MethodPaths& path : brought) paths.push_back(std::move(path));
     SampleBlock block;
     std::optional<Predictions> predictions;
     if (planned_.truth == TakeTruth::left_out_sensor) predictions.emplace(plan_, planned_, track);
@@ -110,6 +113,29 @@ RecordedTake read(const Plan& plan, const PlannedTake& planned, StageClocks& clo
   return read_take(plan, planned, watch.stop_requested);
 }
 
+std::vector<double> since_start_s(const PlannedTake& planned, const std::vector<HostTime>& time) {
+  std::vector<double> since_s;
+  for (const HostTime t : time) since_s.push_back((t - planned.start).seconds());
+  return since_s;
+}
+
+// Reads what the take brings and holds it against the truth at these instants, by instant and name.
+std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& planned,
+                                       const std::vector<double>& since_s,
+                                       const std::vector<Eigen::Vector3d>& truth_m,
+                                       std::vector<TakeNote>& notes) {
+  std::vector<MethodPaths> paths;
+  if (planned.take.joints.empty()) return paths;
+  std::vector<PointPath> truth(plan.names.size(), {since_s, {}});
+  for (std::size_t k = 0; k < truth_m.size(); ++k)
+    truth[k % plan.names.size()].position_m.push_back(truth_m[k]);
+  for (BroughtTrack& brought : read_brought(plan, planned)) {
+    if (!truth_m.empty()) append(notes, check_brought(plan, planned, truth.data(), brought));
+    paths.push_back(paths_of(plan, brought, since_s));
+  }
+  return paths;
+}
+
 // What the sensors say with none left out.
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
   TakeTracking tracking = check_tracking(plan, planned, data);
@@ -153,7 +179,7 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
   head.id = planned.take.id;
   head.condition = planned.take.activity;
   head.instants = planned.instants;
-  for (const Joint joint : plan.joints) head.joints.emplace_back(name_of(joint));
+  head.joints = plan.names;
   for (const Method& method : plan.methods) head.methods.push_back(method.spec.name);
   head.tracks = tracks_of(plan, planned);
   for (int s = 0; s < kSolveStatusCount; ++s)
@@ -185,9 +211,60 @@ Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& d
 
 }  // namespace
 
+namespace {
+
+// A take without a session: nothing is solved.
+EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, const ErrorSettings& errors,
+                               const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
+  EvaluatedTake evaluated;
+  std::vector<double> since_s;
+  for (std::uint64_t i = 0; i < planned.instants; ++i) since_s.push_back(plan.instant(i).seconds());
+  std::vector<Eigen::Vector3d> truth_m(planned.instants * plan.names.size());
+  std::vector<MethodPaths> paths;
+  std::vector<TakeNote>& notes = evaluated.result.notes;
+  {
+    const Stopwatch time(clocks.read_ns);
+    const MarkerTrack truth = truth_of_points(plan, planned);
+    for (std::uint64_t i = 0; i < planned.instants; ++i)
+      truth.at(MocapTime{} + plan.instant(i),
+               std::span(truth_m).subspan(i * plan.names.size(), plan.names.size()));
+    for (std::string& text : oddities_of(truth))
+      notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
+    if (!planned.level)
+      notes.push_back({planned.take.id, false, planned.take.mocap.string(),
+                       "neither states nor shows which axis is up: its own axes are used"});
+    paths = paths_brought(plan, planned, since_s, truth_m, notes);
+  }
+  StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
+    watch.check();
+    const std::uint64_t count = std::min(kBlock, planned.instants - first);
+    block.reset(first, count, plan.names.size(), plan.methods.size());
+    for (std::uint64_t i = 0; i < count; ++i) {
+      block.time_ns[i] = (planned.start + plan.instant(first + i)).ns;
+      for (std::size_t j = 0; j < plan.names.size(); ++j)
+        Eigen::Map<Eigen::Vector3d>(&block.truth_m[(i * plan.names.size() + j) * 3]) =
+            truth_m[(first + i) * plan.names.size() + j];
+    }
+    std::ranges::fill(block.status, static_cast<std::uint8_t>(SolveStatus::no_observation));
+    for (const MethodPaths& path : paths) store_path(plan, path, block);
+    const Stopwatch time(clocks.write_ns);
+    file.write(0, block);
+    watch.tell(static_cast<double>(first + count) / static_cast<double>(planned.instants));
+  }
+  evaluated.errors = write_errors(file, errors, clocks);
+  file.finish();
+  evaluated.result.evaluated = true;
+  return evaluated;
+}
+
+}  // namespace
+
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
                             const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
+  if (plan.rig.empty()) return evaluate_brought(plan, planned, errors, folder, clocks, watch);
   const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
   EvaluatedTake evaluated;
   TakeResult& result = evaluated.result;
@@ -201,12 +278,15 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
   if (leaves_out) append(result.notes, notes_on_silent(plan, planned, all));
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
   TakeProgress progress(plan, take, file.head().tracks.size(), watch);
+  const std::vector<MethodPaths> brought =
+      paths_brought(plan, planned, since_start_s(planned, all.time),
+                    leaves_out ? std::vector<Eigen::Vector3d>{} : all.truth_m, result.notes);
   const TrackSolver solver(plan, planned, cross_check, file, clocks, watch, progress, result);
   for (std::size_t track = 0; track < file.head().tracks.size(); ++track)
     if (leaves_out)
-      solver.solve(track, see_take(plan, planned, followed, nullptr, track, watch.stop_requested));
+      solver.solve(track, see_take(plan, planned, followed, nullptr, track, watch.stop_requested), brought);
     else
-      solver.solve(track, all);
+      solver.solve(track, all, brought);
   evaluated.errors = write_errors(file, errors, clocks);
   if (is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, all));
   file.finish();

@@ -19,25 +19,32 @@ constexpr const char* kOfTheSummary[] = {"name",       "conditions",     "occlud
 // Everything that a take is; its files by their content.
 Json json_of(const Take& take, std::span<const TakeInput> inputs) {
   // A field that is added to a take stops this line, so that none is forgotten below.
-  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns,
-               up_axis] = take;
+  const auto& [id, participant, activity, session, calibration, mocap, mapping, mocap_start_host_ns, up_axis,
+               joints] = take;
   Json json{{"id", id},
             {"participant", participant},
             {"activity", activity},
             {"mocap_start_host_ns", mocap_start_host_ns},
             {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis))}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
+  for (const BroughtJoints& one : joints) {
+    Json points = Json::object();
+    for (const NamedPoint& point : one.mapping) points[point.name] = point.assets;
+    json["brought"].push_back({one.method, points, one.clock_by_motion});
+  }
   return json;
 }
 
 }  // namespace
 
 std::vector<TakeFile> files_of(const Take& take) {
-  std::vector<TakeFile> files{{"session", take.session}, {"calibration", take.calibration}};
-  if (!take.mocap.empty()) {
-    files.push_back({"mocap", take.mocap});
-    files.push_back({"mapping", take.mapping});
-  }
+  std::vector<TakeFile> files{{"session", take.session},
+                              {"calibration", take.calibration},
+                              {"mocap", take.mocap},
+                              {"mapping", take.mapping}};
+  for (const BroughtJoints& joints : take.joints)
+    files.push_back({"joints of " + joints.method, joints.file});
+  std::erase_if(files, [](const TakeFile& file) { return file.path.empty(); });
   return files;
 }
 
@@ -61,11 +68,13 @@ std::string key_of_take(const Plan& plan, std::size_t take, std::span<const Take
                         bool cross_check) {
   Json study = resolved_json(plan.study);
   for (const char* key : kOfTheSummary) study.erase(key);
-  Json joints = Json::array();
-  for (const Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
+  Json brought = Json::array();
+  for (std::size_t m = first_brought(plan); m < plan.methods.size(); ++m)
+    brought.push_back(plan.methods[m].spec.name);
   return key_of({{"study", study},
                  {"rig", plan.rig},
-                 {"joints", joints},
+                 {"joints", plan.names},
+                 {"brought", brought},
                  {"cross_check", cross_check},
                  {"judges_places", judges_places(plan.study)},
                  {"replayed", is_replayed(plan, take)},

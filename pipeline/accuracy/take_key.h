@@ -16,7 +16,7 @@ namespace trilat {
 
 // The files that a take is made of, by what they are.
 struct TakeFile {
-  const char* role;
+  std::string role;
   std::filesystem::path path;
 };
 std::vector<TakeFile> files_of(const Take& take);

@@ -26,7 +26,7 @@ std::vector<std::uint64_t> owners_of(const Plan& plan, std::uint64_t shards) {
 }
 
 Json plan_json(const Plan& plan, const std::vector<std::uint64_t>& owner) {
-  Json takes = Json::array(), methods = Json::array(), joints = Json::array();
+  Json takes = Json::array(), methods = Json::array();
   for (std::size_t i = 0; i < plan.takes.size(); ++i) {
     const PlannedTake& t = plan.takes[i];
     Json entry{
@@ -39,9 +39,8 @@ Json plan_json(const Plan& plan, const std::vector<std::uint64_t>& owner) {
     takes.push_back(entry);
   }
   for (const Method& m : plan.methods) methods.push_back(m.spec.name);
-  for (Joint joint : plan.joints) joints.push_back(std::string(name_of(joint)));
   return {{"study", plan.study.name}, {"campaign", plan.campaign.name},
-          {"rig", plan.rig},          {"joints", joints},
+          {"rig", plan.rig},          {"joints", plan.names},
           {"methods", methods},       {"takes", takes}};
 }
 
@@ -53,7 +52,7 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
     return all_ok ? kDone : kItemsFailed;
   }
   fmt::print("study {} on campaign {}: {} takes x {} joints x {} methods\n", plan.study.name,
-             plan.campaign.name, plan.takes.size(), plan.joints.size(), plan.methods.size());
+             plan.campaign.name, plan.takes.size(), plan.names.size(), plan.methods.size());
   fmt::print("methods:");
   for (const Method& m : plan.methods) fmt::print(" {};", m.spec.name);
   fmt::print("\n");

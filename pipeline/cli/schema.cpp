@@ -69,7 +69,11 @@ Json simulation_schema() {
 Json campaign_schema() {
   return schema_of({Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example", "takes": [
       {"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json", "mocap": "m.csv",
-       "mapping": "mapping.json", "mocap_start_host_ns": 0}]})")},
+       "mapping": "mapping.json", "mocap_start_host_ns": 0,
+       "joints": [{"method": "m", "file": "m.trc", "mapping": {"head": ["Head"]}}]}]})"),
+                    Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example", "takes": [
+      {"id": "a", "participant": "p", "mocap": "m.csv", "mapping": "mapping.json",
+       "joints": [{"method": "m", "file": "m.trc", "mapping": {"head": ["Head"]}}]}]})")},
                    [](const Json& json) { parse_campaign(json, "campaign.json"); });
 }
 

@@ -26,9 +26,9 @@ namespace {
 
 using AddVerb = void (*)(CLI::App& app, int& code);
 // In the order of --help.
-constexpr AddVerb kVerbs[] = {add_demo,      add_init,      add_simulate, add_run,    add_report,
-                              add_reproduce, add_calibrate, add_gate,     add_record, add_info,
-                              add_verify,    add_recover,   add_draw,     add_fuse,   add_schema};
+constexpr AddVerb kVerbs[] = {add_demo,    add_init,      add_simulate, add_run,    add_report, add_reproduce,
+                              add_compare, add_calibrate, add_gate,     add_record, add_info,   add_verify,
+                              add_recover, add_draw,      add_fuse,     add_schema};
 
 [[noreturn]] void refuse_verb(const CLI::App& app, const std::string& given) {
   std::vector<std::string> verbs;

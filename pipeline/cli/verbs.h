@@ -59,6 +59,7 @@ void add_force(CLI::App& verb, bool& force);
 void add_threads(CLI::App& verb, int& threads);
 
 void add_calibrate(CLI::App& app, int& code);
+void add_compare(CLI::App& app, int& code);
 void add_demo(CLI::App& app, int& code);
 void add_draw(CLI::App& app, int& code);
 void add_fuse(CLI::App& app, int& code);

@@ -69,6 +69,10 @@ void CellSums::add(const ErrorRow& row, std::size_t cluster) {
   largest_m = std::max(largest_m, row.largest_m);
   for (std::size_t axis = 0; axis < 3; ++axis) absolute_m[axis] += row.absolute_m[axis];
   length_m.add(cluster, row.length_m, row.answered);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    error_m[axis].add(cluster, row.error_m[axis], row.answered);
+    error_m2[axis].add(cluster, row.error_m2[axis], row.answered);
+  }
 }
 
 void CellSums::add(std::span<const BinRow> bins) {

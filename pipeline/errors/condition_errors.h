@@ -44,6 +44,7 @@ struct CellSums {
   double length_m2 = 0.0, largest_m = 0.0;
   std::array<double, 3> absolute_m{};
   ClusterSums length_m;
+  std::array<ClusterSums, 3> error_m, error_m2;  // along the world's axes, with their signs
   std::vector<std::uint64_t> histogram;
 
   void add(const ErrorRow& row, std::size_t cluster);

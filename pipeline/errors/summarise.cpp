@@ -109,14 +109,22 @@ class Summary {
         cell.statuses[std::string(name_of(static_cast<SolveStatus>(s)))] += sums.statuses[s];
   }
 
+  static double bias_of(const CellSums& sums, std::size_t axis) {
+    double sum_m = 0.0;
+    for (const double part_m : sums.error_m[axis].sum) sum_m += part_m;
+    return quotient(sum_m, sums.answered);
+  }
+
   SummaryCell cell_of(const ConditionErrors& errors, const std::string& condition, std::size_t g,
                       std::size_t m, std::size_t a) const {
     SummaryCell cell = head_of(condition, summary_.groups[g], m, a);
     const CellSums& sums = errors.cell(g, m, a);
     count(cell, sums);
     set_interval(cell, errors.mean_m(std::array{g}, m, a));
-    for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       cell.axis_mae_m[axis] = quotient(sums.absolute_m[axis], sums.answered);
+      cell.bias_m[axis] = bias_of(sums, axis);
+    }
     cell.rmse_m = std::sqrt(quotient(sums.length_m2, sums.answered));
     cell.p05_m = sums.quantile_m(0.05);
     cell.p25_m = sums.quantile_m(0.25);
@@ -134,6 +142,11 @@ class Summary {
     SummaryCell cell = head_of(condition, kAverageGroup, m, a);
     for (const std::size_t g : errors.groups()) count(cell, errors.cell(g, m, a));
     set_interval(cell, errors.mean_m(errors.groups(), m, a));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double sum_m = 0.0;
+      for (const std::size_t g : errors.groups()) sum_m += bias_of(errors.cell(g, m, a), axis);
+      cell.bias_m[axis] = quotient(sum_m, errors.groups().size());
+    }
     return cell;
   }
 

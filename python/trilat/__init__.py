@@ -19,10 +19,11 @@ except ImportError as error:
 from trilat.errors import InputError, ProgramError
 from trilat.program import run
 from trilat.read_results import Results, results
-from trilat.read_session import Bodies, Sensor, Session, session
+from trilat.read_session import Bodies, JointsInWorld, Sensor, Session, session
 from trilat.read_tables import tables
 from trilat.skeleton import JOINTS
+from trilat.write_joints import write_joints
 from trilat.write_session import SensorFrames, write_session
 
-__all__ = ["Bodies", "InputError", "JOINTS", "ProgramError", "Results", "Sensor", "SensorFrames", "Session",
-           "results", "run", "session", "tables", "write_session"]
+__all__ = ["Bodies", "InputError", "JOINTS", "JointsInWorld", "ProgramError", "Results", "Sensor", "SensorFrames", "Session",
+           "results", "run", "session", "tables", "write_joints", "write_session"]

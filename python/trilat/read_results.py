@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 NEWEST_SUMMARY = 8
 NEWEST_MANIFEST = 2
 NEWEST_TAKE = 1
-ANSWERS = ("converged", "closed_form", "clamped")
+ANSWERS = ("converged", "closed_form", "clamped", "given")
 AXES = "xyz"
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Reads session.h5, format 1: bodies and depth of every sensor."""
+import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,6 +56,19 @@ class Bodies:
         return len(self.frame)
 
 
+@dataclass(frozen=True)
+class JointsInWorld:
+    """What every sensor gives of one person, at common instants in the world: the input of an own method.
+
+    time_s (I,) since the recording's start; sensors (S,) their names; position_m (I, S, 25, 3), NaN where a sensor does not
+    have a joint; tracking_state (I, S, 25) 0 not tracked, 1 inferred, 2 tracked.
+    """
+    time_s: np.ndarray
+    sensors: tuple[str, ...]
+    position_m: np.ndarray
+    tracking_state: np.ndarray
+
+
 class Sensor:
     """One sensor of a session. `attributes` has what the file says of it, its intrinsics included."""
 
@@ -80,6 +94,12 @@ class Sensor:
         """(N,) seconds of the body frames since the first of them, by the sensor's own clock."""
         ticks = self._group["body_frames/device_ticks"][:]
         return (ticks - ticks[:1]) * (1e-9 * int(self.attributes["tick_ns"]))
+
+    def host_times_s(self) -> np.ndarray:
+        """(N,) when the body frames were made, in seconds on the recording's host clock: by the sensor's own clock, laid under
+        the arrivals, less the stated latency."""
+        frames_s = self.frame_times_s()
+        return frames_s + np.min(self.arrival_times_s() - frames_s, initial=np.inf) - 1e-9 * int(self.attributes["latency_ns"])
 
     def bodies(self) -> Bodies:
         """All bodies of all frames."""
@@ -122,6 +142,22 @@ class Session:
             raise InputError(self._file.filename, f'has no sensor "{name}"; it has {", ".join(self.sensors)}')
         return Sensor(self._file["sensors"][name])
 
+    def joints_in_world(self, calibration: str | os.PathLike, rate_hz: float = 30.0, longest_gap_s: float = 0.11) -> JointsInWorld:
+        """Joints of all sensors in the world of calibration.json, interpolated linearly at common instants, never across a
+        longer gap. Of several bodies in a frame the one with the most tracked joints is taken: for one person alone."""
+        document = json.loads(Path(calibration).read_text(encoding="utf-8"))
+        poses = {sensor["name"]: sensor for sensor in document["sensors"]}
+        missing = [name for name in self.sensors if name not in poses]
+        if missing:
+            raise InputError(calibration, f'has no sensor "{missing[0]}"; it has {", ".join(poses)}')
+        times_s = {name: self[name].host_times_s() for name in self.sensors}
+        start_s, end_s = min(t[0] for t in times_s.values()), max(t[-1] for t in times_s.values())
+        time_s = np.arange(int((end_s - start_s) * rate_hz) + 1) / rate_hz
+        seen = [_at_instants(self[name].bodies(), times_s[name] - start_s, time_s, longest_gap_s) for name in self.sensors]
+        position_m = np.stack([joints_m @ _turn(poses[name]["rotation_xyzw"]).T + poses[name]["position_m"]
+                               for name, (joints_m, _) in zip(self.sensors, seen)], axis=1)
+        return JointsInWorld(time_s, self.sensors, position_m, np.stack([state for _, state in seen], axis=1))
+
     def close(self) -> None:
         self._file.close()
 
@@ -130,6 +166,31 @@ class Session:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
+
+
+def _turn(xyzw: list[float]) -> np.ndarray:
+    """The rotation matrix of a unit quaternion."""
+    x, y, z, w = xyzw
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def _at_instants(bodies: Bodies, frame_s: np.ndarray, time_s: np.ndarray, longest_gap_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (I, 25, 3) and states (I, 25) of one person: the worse state of the frames before and after."""
+    joints_m = np.full((len(frame_s), 25, 3), np.nan)
+    state = np.zeros((len(frame_s), 25), np.uint8)
+    for row in np.argsort((bodies.tracking_state == 2).sum(axis=1), kind="stable"):  # the best tracked comes last
+        joints_m[bodies.frame[row]], state[bodies.frame[row]] = bodies.position_m[row], bodies.tracking_state[row]
+    joints_m[state == 0] = np.nan
+    after = np.clip(np.searchsorted(frame_s, time_s), 1, len(frame_s) - 1)
+    before = after - 1
+    gap_s = frame_s[after] - frame_s[before]
+    share = ((time_s - frame_s[before]) / gap_s)[:, None, None]
+    there = (time_s >= frame_s[0]) & (time_s <= frame_s[-1]) & (gap_s <= longest_gap_s)
+    at_m = joints_m[before] + share * (joints_m[after] - joints_m[before])
+    at_m[~there] = np.nan
+    return at_m, np.where(np.isfinite(at_m[:, :, 0]), np.minimum(state[before], state[after]), 0)
 
 
 def session(path: str | os.PathLike) -> Session:

@@ -26,7 +26,7 @@ TEST(SolveStatus, NamesAreUniqueAndOnlyAnswersAreUsable) {
     names.push_back(name_of(status));
     usable += is_usable(status) ? 1 : 0;
   }
-  EXPECT_EQ(usable, 3);
+  EXPECT_EQ(usable, 4);
   EXPECT_FALSE(is_usable(SolveStatus::iteration_limit));
   EXPECT_FALSE(is_usable(SolveStatus::mirror_ambiguous));
   EXPECT_FALSE(is_usable(PointEstimate{}.status));

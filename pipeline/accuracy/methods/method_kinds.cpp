@@ -244,6 +244,16 @@ const std::vector<MethodKind>& method_kinds() {
   return kinds;
 }
 
+const MethodKind& brought_kind() {
+  static const MethodKind kind{
+      .name = "brought",
+      .what = "joints that another method or system gave",
+      .source = "the take's file",
+      .needs_ranges = false,
+      .over_time = [](const Method&, const SeenInTime&, const OverTimeCalls&, MethodPaths&) {}};
+  return kind;
+}
+
 const MethodKind& method_kind(std::string_view name) {
   const auto found =
       std::ranges::find_if(method_kinds(), [&](const MethodKind& kind) { return kind.name == name; });

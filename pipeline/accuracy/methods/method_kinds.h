@@ -31,6 +31,8 @@ struct MethodKind {
 };
 
 const std::vector<MethodKind>& method_kinds();
+// Of what takes bring, which no study names: it has no solver.
+const MethodKind& brought_kind();
 // InternalError when there is none of that name.
 const MethodKind& method_kind(std::string_view name);
 

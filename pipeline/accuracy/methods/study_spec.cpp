@@ -45,7 +45,7 @@ void check_names(JsonObject& object, const StudySpec& spec) {
       object.objects("methods")[i].refuse(
           "name", "is \"" + spec.methods[i].name + "\", which an earlier method has; give each its own name");
   for (const std::string& joint : spec.joints)
-    if (!joint_from_name(joint))
+    if (!spec.methods.empty() && !joint_from_name(joint))
       object.refuse("joints",
                     "has \"" + joint + "\", which is no joint; " + known_names(joint, joint_names()));
 }
@@ -96,9 +96,11 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   Settings settings(object);
   tell(settings, spec);
   object.words("joints", joint_names());
-  for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
-  if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
-  object.about({{"methods", "that are compared"}});
+  if (object.has("methods")) {
+    for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
+    if (spec.methods.empty()) object.refuse("methods", "must hold at least one method");
+  }
+  object.about({{"methods", "that are compared, beside those that takes bring"}});
   check_names(object, spec);
   return spec;
 }

@@ -9,6 +9,7 @@
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
 #include "pipeline/accuracy/tracking_summary.h"
+#include "pipeline/errors/condition_errors.h"
 
 namespace trilat {
 
@@ -45,6 +46,11 @@ Table bodies_table(const ResultsSummary& summary, const std::string& condition);
 // Each joint of each take by method, under the study's first alignment: takes, participants, joints and sides
 // are group-bys of it.
 std::vector<Table> apart_tables(const ResultsSummary& summary);
+
+// Bias and 95 % limits of agreement by method, joint group and axis, under the alignments none and mean: a
+// table a condition.
+Table agreement_table(const StudyErrors& errors, const std::string& condition, std::size_t alignment);
+std::vector<Table> agreement_tables(const StudyErrors& errors);
 
 // What a run says of how its sensors tracked: which views each rule rejects, by joint and by sensor;
 // exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.

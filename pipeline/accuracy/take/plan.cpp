@@ -13,6 +13,8 @@
 #include "datasets/calibration/calibration.h"
 #include "datasets/session/body_readings.h"
 #include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
 
@@ -85,7 +87,8 @@ JointMapping every_joint() {
 // How the person stands in the mocap's first seconds.
 std::optional<UpAxis> axis_in_mocap(const PlannedTake& planned, const std::vector<Joint>& joints,
                                     double until_s) {
-  const TruthTrack truth(planned, joints, duration_from_s(kProbe_s), MocapTime{} + duration_from_s(until_s));
+  const MarkerTrack truth =
+      truth_of(planned, joints, duration_from_s(kProbe_s), MocapTime{} + duration_from_s(until_s));
   StandingAxis standing;
   std::vector<Eigen::Vector3d> points(joints.size());
   std::size_t seen = 0;
@@ -274,21 +277,45 @@ std::size_t reference_of(const StudySpec& study, const std::vector<Method>& meth
                    "is \"" + study.reference + "\", which is none of its methods: " + known);
 }
 
-Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch) {
-  Plan plan;
-  plan.study = study;
-  plan.campaign = takes_of(study, campaign);
-  plan.rig = rig_of(study, plan.campaign);
-  plan.methods = resolve_methods(study, plan.rig);
-  plan.reference = reference_of(study, plan.methods);
-  for (const Take& take : plan.campaign.takes) plan.takes.emplace_back().take = take;
-  plan_truths(plan);
+namespace {
+
+// Adds what takes bring to the methods.
+void add_brought_methods(Plan& plan) {
+  for (const Take& take : plan.campaign.takes)
+    for (const BroughtJoints& joints : take.joints) {
+      const auto same = std::ranges::find_if(
+          plan.methods, [&](const Method& method) { return method.spec.name == joints.method; });
+      if (same != plan.methods.end() && same->spec.kind != &brought_kind())
+        throw InputError("take \"" + take.id + '"', "brings joints of the method \"" + joints.method +
+                                                        "\", which the study has, too; rename one of them");
+      if (same != plan.methods.end()) continue;
+      plan.methods.emplace_back().spec.kind = &brought_kind();
+      plan.methods.back().spec.name = joints.method;
+    }
+}
+
+// Whether all takes bring their joints and none has a session. InputError where only some do.
+bool brings_all(const Campaign& campaign) {
+  const auto brings = [](const Take& take) { return take.session.empty(); };
+  const auto other = std::ranges::find_if_not(campaign.takes, brings);
+  if (other == campaign.takes.end()) return !campaign.takes.empty();
+  if (const auto one = std::ranges::find_if(campaign.takes, brings); one != campaign.takes.end())
+    throw InputError("campaign \"" + campaign.name + '"', "has takes with a session, such as " + other->id +
+                                                              ", and takes without, such as " + one->id +
+                                                              "; make two campaigns of them");
+  return false;
+}
+
+void look_into_all(Plan& plan, const Watch& watch) {
   std::atomic<std::size_t> done{0};
   parallel_for_index(plan.takes.size(), 1, [&](std::size_t t) {
     watch.check();
     PlannedTake& planned = plan.takes[t];
     try {
-      look_into(planned, plan.rig, study);
+      if (plan.rig.empty())
+        look_into_brought(planned, plan.study);
+      else
+        look_into(planned, plan.rig, plan.study);
     } catch (const InputError& error) {
       planned.place = error.place();
       planned.problem = error.problem();
@@ -298,14 +325,62 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
   // Where no take can be evaluated, the first reason is said before anything is written.
   if (std::ranges::none_of(plan.takes, &PlannedTake::ok))
     throw InputError(plan.takes.front().place, plan.takes.front().problem);
-  plan.joints = joints_of(study, plan.takes);
+}
+
+// Those that the study asks for; all that are there where it asks for none.
+void plan_joints(Plan& plan) {
+  plan.joints = joints_of(plan.study, plan.takes);
   if (plan.joints.empty())
-    throw InputError("study \"" + study.name + "\" /joints",
+    throw InputError("study \"" + plan.study.name + "\" /joints",
                      fmt::format("asks for {}, which no take's mapping maps; they map {}",
-                                 fmt::join(study.joints, ", "), mapped_names(plan.takes)));
+                                 fmt::join(plan.study.joints, ", "), mapped_names(plan.takes)));
+  for (const Joint joint : plan.joints) plan.names.emplace_back(name_of(joint));
+}
+
+void plan_points(Plan& plan) {
+  std::vector<std::string> known;
+  for (const PlannedTake& planned : plan.takes)
+    for (const NamedPoint& point : planned.points)
+      if (std::ranges::find(known, point.name) == known.end()) known.push_back(point.name);
+  for (const std::string& name : known)
+    if (plan.study.joints.empty() || std::ranges::find(plan.study.joints, name) != plan.study.joints.end())
+      plan.names.push_back(name);
+  if (plan.names.empty())
+    throw InputError("study \"" + plan.study.name + "\" /joints",
+                     fmt::format("asks for {}, which no take has and brings; known are {}",
+                                 fmt::join(plan.study.joints, ", "), fmt::join(known, ", ")));
+}
+
+}  // namespace
+
+Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch) {
+  Plan plan;
+  plan.study = study;
+  plan.campaign = takes_of(study, campaign);
+  if (!brings_all(plan.campaign)) {
+    plan.rig = rig_of(study, plan.campaign);
+    plan.methods = resolve_methods(study, plan.rig);
+  }
+  add_brought_methods(plan);
+  if (plan.methods.empty())
+    throw InputError("study \"" + study.name + "\" /methods", "must hold at least one method");
+  plan.reference = reference_of(study, plan.methods);
+  for (const Take& take : plan.campaign.takes) plan.takes.emplace_back().take = take;
+  plan_truths(plan);
+  look_into_all(plan, watch);
+  if (plan.rig.empty())
+    plan_points(plan);
+  else
+    plan_joints(plan);
   plan.simulated = campaign.simulated;
   for (const PlannedTake& take : plan.takes) plan.simulated |= take.simulated;
   return plan;
+}
+
+std::size_t first_brought(const Plan& plan) {
+  const auto first = std::ranges::find_if(
+      plan.methods, [](const Method& method) { return method.spec.kind == &brought_kind(); });
+  return static_cast<std::size_t>(first - plan.methods.begin());
 }
 
 bool judges_places(const StudySpec& study) { return study.alignments != std::vector{AlignmentKind::rigid}; }

@@ -41,7 +41,8 @@ struct PlannedTake {
   std::vector<SensorClockMap> host_from_sensor;
   HostTime start;
   std::uint64_t instants = 0;
-  std::string span_note;  // names sensors that recorded only a part of it
+  std::string span_note;             // names sensors that recorded only a part of it
+  std::vector<NamedPoint> points{};  // of the mocap, by the plan's names, where there is no session
 };
 
 // What a run will do, in an order that does not depend on threads. The id of a work item is the id of its
@@ -51,8 +52,9 @@ struct Plan {
   Campaign campaign;
   std::vector<std::string> rig;  // names of the sensors
   std::vector<Method> methods;
-  std::size_t reference = 0;  // the method that the others are compared with
-  std::vector<Joint> joints;  // skeleton groups first, in the tables' order
+  std::size_t reference = 0;       // the method that the others are compared with
+  std::vector<Joint> joints;       // skeleton groups first, in the tables' order; none without sensors
+  std::vector<std::string> names;  // of what is evaluated: the joints, or whatever points takes bring
   std::vector<PlannedTake> takes;
   bool simulated = false;
 
@@ -77,6 +79,9 @@ Campaign takes_of(const StudySpec& study, Campaign campaign);
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
 // study that fits no rig, no joint mapped.
 Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch = {});
+
+// The names of the plan's methods that takes bring begin here; all before are solved.
+std::size_t first_brought(const Plan& plan);
 
 // Whether an error in the study's world counts: some alignment is not of shapes alone.
 bool judges_places(const StudySpec& study);

@@ -55,18 +55,6 @@ void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) 
   block.gdop[slot] = static_cast<float>(estimate.gdop);
 }
 
-// What a method over time gave, ready to be stored.
-void store(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
-  for (std::uint64_t i = 0; i < block.instants; ++i)
-    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-      const PathPoint& point = paths.at(block.first_instant + i, j);
-      PointEstimate estimate = failed_estimate(point.status);
-      estimate.position_m = point.position_m;
-      estimate.iterations = point.iterations;
-      store(block, (i * plan.joints.size() + j) * plan.methods.size() + paths.method, estimate);
-    }
-}
-
 // How many sensors see the joint occluded: inferred, or crossed by a limb in front.
 std::uint8_t occluded_views(const JointInstant& instant) {
   const auto& crossings = instant.occlusions[static_cast<std::size_t>(OcclusionRule::corrected)];
@@ -138,6 +126,17 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
 
 }  // namespace
 
+void store_path(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
+  for (std::uint64_t i = 0; i < block.instants; ++i)
+    for (std::size_t j = 0; j < paths.joints; ++j) {
+      const PathPoint& point = paths.at(block.first_instant + i, j);
+      PointEstimate estimate = failed_estimate(point.status);
+      estimate.position_m = point.position_m;
+      estimate.iterations = point.iterations;
+      store(block, (i * paths.joints + j) * plan.methods.size() + paths.method, estimate);
+    }
+}
+
 std::vector<const Method*> checked_methods(const Plan& plan) {
   std::vector<const Method*> checked;
   for (const Method& m : plan.methods)
@@ -172,7 +171,7 @@ std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned,
             cross_check_instant(plan, planned, data, rigs.front(), i, *checked[m], block.first_instant + i);
     }
   });
-  for (const MethodPaths& path : paths) store(plan, path, block);
+  for (const MethodPaths& path : paths) store_path(plan, path, block);
   std::vector<TakeCheck> sums(checked.size());
   for (std::size_t k = 0; k < checks.size(); ++k) sums[k / count].merge(checks[k]);
   return sums;
@@ -189,7 +188,7 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
   for (const HostTime t : data.time) time_ns.push_back(t.ns);
   std::vector<MethodPaths> all;
   for (std::size_t m = 0; m < plan.methods.size(); ++m)
-    if (is_over_time(plan.methods[m]))
+    if (is_over_time(plan.methods[m]) && m < first_brought(plan))
       all.push_back({m, plan.joints.size(), std::vector<PathPoint>(time_ns.size() * plan.joints.size())});
   parallel_for_index(all.size(), 1, [&](std::size_t k) {
     const Method& method = plan.methods[all[k].method];

@@ -22,6 +22,9 @@ std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned,
                                    const std::vector<MethodPaths>& paths, bool cross_check,
                                    SampleBlock& block);
 
+// Puts the part of a path that a block is of into it.
+void store_path(const Plan& plan, const MethodPaths& paths, SampleBlock& block);
+
 // How many methods of the plan solve windows of all joints together, which takes long.
 std::size_t windowed_methods(const Plan& plan);
 

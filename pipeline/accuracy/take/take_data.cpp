@@ -24,7 +24,6 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kStopPeriod = 256;  // instants between two looks at stop_requested
-constexpr double kMostRepeated = 0.2;     // of the frames of a truth
 constexpr std::size_t kTogether = 64;     // instants that one thread looks at for occlusions
 // A sensor_gap_s that fits a sensor's frames: so many times their distance, rounded up to whole steps.
 constexpr double kGapsOfFrames = 1.3, kGapStep_s = 0.05;
@@ -35,7 +34,7 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
 }
 
 [[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned,
-                                       const TruthTrack& truth) {
+                                       const MarkerTrack& truth) {
   const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
   throw InputError(
       planned.take.mocap.string(),
@@ -46,7 +45,7 @@ void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
 }
 
 // Fills in the truth and returns what there is to know of it.
-std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, const TruthTrack& truth,
+std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, const MarkerTrack& truth,
                                  const std::function<bool()>& stop_requested, TakeData& data) {
   const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
   const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
@@ -66,34 +65,7 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, c
     note(
         "has its z axis up: the person stands along it. It was turned so that y is up, as everywhere here; "
         "say \"up_axis\": \"y\" in the take if that is wrong");
-  if (const double share = truth.repeated_share(); share > kMostRepeated)
-    note(fmt::format(
-        "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
-        "of the stated one, and what moves stands still between; export it at the rate of the capture",
-        100.0 * share, 100.0 * (1.0 - share)));
-  if (const RemovedPoses removed = truth.removed(); removed.frozen > 0)
-    note(fmt::format(
-        "{} poses of rigid bodies or bones repeat the one before to the last digit, though the file "
-        "has finer steps: they were lost, and are not used as ground truth",
-        removed.frozen));
-  if (const RemovedPoses removed = truth.removed(); removed.at_origin > 0)
-    note(
-        fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "
-                    "used as ground truth",
-                    removed.at_origin));
-  const MocapAnomalies& odd = truth.anomalies();
-  if (odd.truncated_last_row || odd.repeated_frames > 0 || odd.partial_poses > 0)
-    note(fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat info` says more",
-                     odd.truncated_last_row ? "is cut off in its last row; " : "", odd.repeated_frames,
-                     odd.partial_poses));
-  if (odd.frames_promised > 0)
-    note(fmt::format("has {} frames where its header promises {}: was it cut?", odd.frames_there,
-                     odd.frames_promised));
-  if (odd.printed_time_differs > 0)
-    note(
-        fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
-                    "export's frame rate right?",
-                    odd.printed_time_differs));
+  for (std::string& text : oddities_of(truth)) note(std::move(text));
   return notes;
 }
 
@@ -156,7 +128,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
 // With "clock": "motion" the stated start may be seconds off, and by it another person can be nearest to the
 // truth: puts the truth at the offset by which one of several persons moves as it does.
 void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                           const TruthTrack& truth, const std::function<bool()>& stop_requested,
+                           const MarkerTrack& truth, const std::function<bool()>& stop_requested,
                            TakeData& data) {
   const std::vector<PersonChoice> candidates = candidates_of(planned, seen);
   if (candidates.size() < 2) return;
@@ -177,7 +149,7 @@ void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const R
 
 // Chooses the person and takes their bodies at the instants.
 void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                   const TruthTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
+                   const MarkerTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
   const auto add_notes = [&](const std::vector<TakeNote>& notes) {
     data.notes.insert(data.notes.end(), notes.begin(), notes.end());
   };
@@ -262,7 +234,7 @@ void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor,
 }
 
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.
-void check_clock(const Plan& plan, const PlannedTake& planned, const TruthTrack& truth,
+void check_clock(const Plan& plan, const PlannedTake& planned, const MarkerTrack& truth,
                  const std::function<bool()>& stop_requested, TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth, stop_requested);
@@ -330,8 +302,8 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
     recorded.bodies.push_back(
         read_sensor_bodies(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
   if (planned.truth == TakeTruth::mocap)
-    recorded.truth =
-        std::make_shared<TruthTrack>(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
+    recorded.truth = std::make_shared<MarkerTrack>(
+        truth_of(planned, plan.joints, duration_from_s(plan.study.truth_gap_s)));
   return recorded;
 }
 
@@ -358,7 +330,7 @@ TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTak
   return data;
 }
 
-TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data, const TruthTrack* truth,
+TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data, const MarkerTrack* truth,
                   std::optional<std::size_t> left_out, const std::function<bool()>& stop_requested) {
   repair(plan, planned, left_out, data);
   if (truth) {

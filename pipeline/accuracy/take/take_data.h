@@ -60,13 +60,13 @@ struct TakeData {
   }
 };
 
-class TruthTrack;
+class MarkerTrack;
 
 // A take as it was recorded, read whole.
 struct RecordedTake {
-  std::vector<SensorBodies> bodies;   // by rig sensor
-  std::shared_ptr<TruthTrack> truth;  // of a take that mocap judges
-  bool is_closed = true;              // by its recorder
+  std::vector<SensorBodies> bodies;    // by rig sensor
+  std::shared_ptr<MarkerTrack> truth;  // of a take that mocap judges
+  bool is_closed = true;               // by its recorder
 };
 RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
                        const std::function<bool()>& stop_requested);
@@ -82,7 +82,7 @@ TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTak
 // and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked joints are
 // the truth, which has none where it does not track (inferred ones are the tracker's guess); it and its
 // predictors are put right each without the other.
-TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed, const TruthTrack* truth,
+TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed, const MarkerTrack* truth,
                   std::optional<std::size_t> left_out, const std::function<bool()>& stop_requested);
 
 // All of the three: a take as methods see it that leaves no sensor out.

@@ -37,7 +37,7 @@ std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& plan
 }
 
 std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                  double margin_s, const TruthTrack& truth,
+                                  double margin_s, const MarkerTrack& truth,
                                   const std::function<bool()>& stop_requested) {
   std::vector<PointPath> paths(plan.joints.size());
   std::vector<Eigen::Vector3d> joints(plan.joints.size());
@@ -85,70 +85,22 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
 
 }  // namespace
 
-TruthTrack::TruthTrack(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
-                       MocapTime until)
-    : longest_gap_(longest_gap), has_z_up_(planned.truth_has_z_up) {
+MarkerTrack truth_of(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
+                     MocapTime until) {
   MocapReader reader(planned.take.mocap);
-  std::set<std::size_t> wanted;
+  std::vector<std::vector<std::size_t>> assets;
   for (const Joint joint : joints) {
-    std::vector<std::size_t> assets;
+    assets.emplace_back();
     for (const auto& entry : planned.mapping.joints)
       if (entry.joint == joint)
-        assets = assets_of_joint(reader.header(), entry.assets,
-                                 planned.take.mapping.string() + " /joints/" + std::string(name_of(joint)));
-    wanted.insert(assets.begin(), assets.end());
-    assets_of_joint_.push_back(std::move(assets));
+        assets.back() =
+            assets_of_joint(reader.header(), entry.assets,
+                            planned.take.mapping.string() + " /joints/" + std::string(name_of(joint)));
   }
-  mocap_ = read_positions(reader, {wanted.begin(), wanted.end()}, until);
-}
-
-// Where `after` is the first frame that is not before t.
-Eigen::Vector3d TruthTrack::asset_at(std::size_t asset, std::size_t after, MocapTime t) const {
-  const std::vector<Eigen::Vector3d>& position_m = mocap_.position_m[asset];
-  const auto is_near = [&](std::size_t frame) {
-    const Duration off = mocap_.time[frame] < t ? t - mocap_.time[frame] : mocap_.time[frame] - t;
-    return off <= longest_gap_;
-  };
-  const auto is_there = [&](std::size_t frame) { return position_m[frame].x() == position_m[frame].x(); };
-  while (after < position_m.size() && !is_there(after) && is_near(after)) ++after;
-  if (after == position_m.size() || !is_there(after)) return Eigen::Vector3d::Constant(kNaN);
-  if (mocap_.time[after] == t) return position_m[after];
-  std::size_t before = after;
-  while (before > 0 && (!(mocap_.time[before] < t) || (!is_there(before) && is_near(before)))) --before;
-  if (!(mocap_.time[before] < t) || !is_there(before)) return Eigen::Vector3d::Constant(kNaN);
-  return interpolate(t, mocap_.time[before], position_m[before], mocap_.time[after], position_m[after],
-                     longest_gap_)
-      .value_or(Eigen::Vector3d::Constant(kNaN));
-}
-
-void TruthTrack::at(MocapTime t, std::span<Eigen::Vector3d> joints) const {
-  const auto earlier = [](MocapTime a, MocapTime b) { return a < b; };
-  const auto after =
-      static_cast<std::size_t>(std::ranges::lower_bound(mocap_.time, t, earlier) - mocap_.time.begin());
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const std::vector<std::size_t>& assets = assets_of_joint_[j];
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const std::size_t asset : assets) sum += asset_at(asset, after, t);
-    joints[j] = assets.empty() ? Eigen::Vector3d::Constant(kNaN)
-                               : Eigen::Vector3d(sum / static_cast<double>(assets.size()));
-    if (has_z_up_) joints[j] = y_up_from_z_up(joints[j]);
-  }
-}
-
-MocapTime TruthTrack::end() const { return mocap_.time.empty() ? MocapTime{} : mocap_.time.back(); }
-
-double TruthTrack::repeated_share() const {
-  double repeated = 0.0;
-  for (std::size_t frame = 1; frame < mocap_.time.size(); ++frame) {
-    bool any = false, same = true;
-    for (const std::vector<Eigen::Vector3d>& position_m : mocap_.position_m) {
-      if (position_m.empty() || !position_m[frame].allFinite()) continue;
-      any = true;
-      same = same && position_m[frame] == position_m[frame - 1];
-    }
-    repeated += any && same ? 1.0 : 0.0;
-  }
-  return repeated / std::max(1.0, static_cast<double>(mocap_.time.size()));
+  std::set<std::size_t> wanted;
+  for (const std::vector<std::size_t>& of_joint : assets) wanted.insert(of_joint.begin(), of_joint.end());
+  return {read_positions(reader, {wanted.begin(), wanted.end()}, until), std::move(assets), longest_gap,
+          planned.truth_has_z_up};
 }
 
 std::string cause_of(const std::string& status) {
@@ -166,7 +118,7 @@ std::string cause_of(const std::string& status) {
 }
 
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                            const TruthTrack& truth, const std::function<bool()>& stop_requested) {
+                            const MarkerTrack& truth, const std::function<bool()>& stop_requested) {
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;

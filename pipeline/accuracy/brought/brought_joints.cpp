@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/brought/brought_joints.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/base/error.h"
+#include "datasets/mocap/joint_csv.h"
+#include "pipeline/accuracy/proposals.h"
+
+namespace trilat {
+namespace {
+
+// Letters and digits alone, in lower case.
+std::string plain(const std::string& name) {
+  std::string text;
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool has_world_position(const MocapHeader& header, const MocapAsset& asset) {
+  return asset.has_position && (asset.type != AssetType::bone || header.coordinate_space == "Global");
+}
+
+// Every marker by its own name, the first of those that are called alike.
+std::vector<NamedPoint> points_by_name(const MocapHeader& header) {
+  std::vector<NamedPoint> points;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < header.assets.size(); ++i)
+    if (has_world_position(header, header.assets[i]) && names.insert(header.assets[i].name).second)
+      points.push_back({header.assets[i].name, {key_of(header, i)}});
+  return points;
+}
+
+std::vector<NamedPoint> proposed_points(const MocapHeader& header) {
+  std::vector<NamedPoint> points;
+  for (JointMapping::Entry& entry : propose_mapping(header).joints)
+    points.push_back({std::string(name_of(entry.joint)), std::move(entry.assets)});
+  return points;
+}
+
+const NamedPoint* find_point(const std::vector<NamedPoint>& points, const std::string& name) {
+  const auto same = std::ranges::find(points, name, &NamedPoint::name);
+  if (same != points.end()) return &*same;
+  const auto alike =
+      std::ranges::find_if(points, [&](const NamedPoint& point) { return plain(point.name) == plain(name); });
+  return alike == points.end() ? nullptr : &*alike;
+}
+
+// What a file has under these names: as its mapping says; else by its own names, or the joints that they
+// tell.
+std::vector<NamedPoint> points_called(const BroughtJoints& joints, const MocapHeader& header,
+                                      const std::vector<std::string>& names) {
+  const std::vector<NamedPoint> own = joints.mapping.empty() ? points_by_name(header) : joints.mapping;
+  const std::vector<NamedPoint> told =
+      joints.mapping.empty() ? proposed_points(header) : std::vector<NamedPoint>{};
+  std::vector<NamedPoint> points;
+  for (const std::string& name : names) {
+    const NamedPoint* point = find_point(own, name);
+    if (!point) point = find_point(told, name);
+    if (point) points.push_back({name, point->assets});
+  }
+  return points;
+}
+
+std::string names_text(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 12;
+  const std::size_t shown = std::min(kMost, names.size());
+  const std::string text =
+      fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+  return names.size() > shown ? fmt::format("{} and {} more", text, names.size() - shown) : text;
+}
+
+std::vector<std::string> names_of(const std::vector<NamedPoint>& points) {
+  std::vector<std::string> names;
+  for (const NamedPoint& point : points) names.push_back(point.name);
+  return names;
+}
+
+std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header,
+                                                 const std::vector<NamedPoint>& points,
+                                                 const std::vector<std::string>& names,
+                                                 const std::string& place) {
+  std::vector<std::vector<std::size_t>> markers;
+  for (const std::string& name : names) {
+    markers.emplace_back();
+    const auto point = std::ranges::find(points, name, &NamedPoint::name);
+    if (point != points.end()) markers.back() = assets_of_joint(header, point->assets, place + " /" + name);
+  }
+  return markers;
+}
+
+// How the person stands in the mocap, where its points are joints: z, y, or nothing where that is not clear.
+std::optional<UpAxis> standing_axis(const MocapPositions& positions, const std::vector<NamedPoint>& points) {
+  StandingAxis standing;
+  constexpr std::size_t kMost = 300;  // frames, spread evenly
+  const std::size_t step = std::max<std::size_t>(1, positions.time.size() / kMost);
+  for (const NamedPoint& point : points) {
+    const auto joint = joint_from_name(point.name);
+    if (!joint) continue;
+    for (const std::size_t marker : assets_of_joint(positions.header, point.assets, point.name))
+      for (std::size_t frame = 0; frame < positions.time.size(); frame += step)
+        standing.add(*joint, positions.position_m[marker][frame]);
+  }
+  return standing.axis();
+}
+
+}  // namespace
+
+MocapHeader read_marker_header(const std::filesystem::path& file) {
+  return is_joint_csv(file) ? read_joint_csv(file).header : MocapReader(file).header();
+}
+
+MocapPositions read_markers(const std::filesystem::path& file) {
+  if (is_joint_csv(file)) return read_joint_csv(file);
+  MocapReader reader(file);
+  std::vector<std::size_t> assets;
+  for (std::size_t i = 0; i < reader.header().assets.size(); ++i)
+    if (has_world_position(reader.header(), reader.header().assets[i])) assets.push_back(i);
+  return read_positions(reader, assets);
+}
+
+std::vector<NamedPoint> common_points(const Take& take) {
+  const MocapHeader header = read_marker_header(take.mocap);
+  std::vector<MocapHeader> brought;
+  for (const BroughtJoints& joints : take.joints) brought.push_back(read_marker_header(joints.file));
+  const auto common = [&](const std::vector<NamedPoint>& points) {
+    std::vector<NamedPoint> both;
+    std::set<std::string> names;
+    for (std::size_t k = 0; k < brought.size(); ++k)
+      for (const NamedPoint& point : points_called(take.joints[k], brought[k], names_of(points)))
+        names.insert(point.name);
+    for (const NamedPoint& point : points)
+      if (names.contains(point.name)) both.push_back(point);
+    return both;
+  };
+  std::vector<std::vector<NamedPoint>> ways;
+  if (take.mapping.empty())
+    ways = {points_by_name(header), proposed_points(header)};
+  else
+    ways = {read_points(take.mapping)};
+  std::vector<NamedPoint> best;
+  for (const std::vector<NamedPoint>& way : ways)
+    if (std::vector<NamedPoint> both = common(way); both.size() > best.size()) best = std::move(both);
+  if (!best.empty()) return best;
+  throw InputError(
+      take.joints.front().file.string(),
+      fmt::format("has no point that {} has: here are {}, there {}. Say which is which with a mapping",
+                  take.mocap.filename().string(), names_text(names_of(points_by_name(brought.front()))),
+                  names_text(names_of(ways.front()))));
+}
+
+void look_into_brought(PlannedTake& planned, const StudySpec& study) {
+  const Take& take = planned.take;
+  planned.points = common_points(take);
+  const MocapPositions positions = read_markers(take.mocap);
+  if (positions.time.empty()) throw InputError(take.mocap.string(), "holds no frames");
+  planned.start = HostTime{} + duration_from_s(positions.first_s);
+  planned.instants = static_cast<std::uint64_t>(
+                         std::floor((positions.time.back() - MocapTime{}).seconds() * study.rate_hz + 1e-6)) +
+                     1;
+  constexpr std::uint64_t kMost = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
+  if (planned.instants > kMost)
+    throw InputError(take.mocap.string(),
+                     fmt::format("is longer than can be evaluated at {} Hz", study.rate_hz));
+  planned.level = take.up_axis != UpAxis::automatic;
+  planned.truth_has_z_up = take.up_axis == UpAxis::z;
+  if (!planned.level)
+    if (const auto axis = standing_axis(positions, planned.points)) {
+      planned.level = true;
+      planned.truth_has_z_up = axis == UpAxis::z;
+    }
+  planned.in_mocap_world = true;
+  planned.ok = true;
+}
+
+MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned) {
+  MocapPositions positions = read_markers(planned.take.mocap);
+  auto markers =
+      markers_of(positions.header, planned.points, plan.names,
+                 (planned.take.mapping.empty() ? planned.take.mocap : planned.take.mapping).string());
+  return {std::move(positions), std::move(markers), duration_from_s(plan.study.truth_gap_s),
+          planned.truth_has_z_up};
+}
+
+std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& planned) {
+  std::vector<BroughtTrack> all;
+  for (const BroughtJoints& joints : planned.take.joints) {
+    MocapPositions positions = read_markers(joints.file);
+    const std::vector<NamedPoint> points = points_called(joints, positions.header, plan.names);
+    if (points.empty())
+      throw InputError(
+          joints.file.string(),
+          fmt::format("has none of {}; it has {}. Say which is which under \"mapping\"",
+                      names_text(plan.names),
+                      names_text(names_of(joints.mapping.empty() ? points_by_name(positions.header)
+                                                                 : joints.mapping))));
+    auto markers = markers_of(positions.header, points, plan.names, joints.file.string() + " /mapping");
+    std::set<std::size_t> used;
+    for (const std::vector<std::size_t>& of_point : markers) used.insert(of_point.begin(), of_point.end());
+    std::vector<std::string> left_out;
+    for (std::size_t i = 0; i < positions.header.assets.size(); ++i)
+      if (!used.contains(i)) left_out.push_back(positions.header.assets[i].name);
+    std::size_t method = 0;
+    while (plan.methods[method].spec.name != joints.method) ++method;
+    // without a session both files have the same clock
+    const double first_s =
+        positions.first_s - (plan.rig.empty() ? (planned.start - HostTime{}).seconds() : 0.0);
+    const double rate_hz = positions.time.size() < 2 ? plan.study.rate_hz
+                                                     : static_cast<double>(positions.time.size() - 1) /
+                                                           positions.time.back().ns * 1e9;
+    const double gap_s = std::max(plan.study.sensor_gap_s, 1.6 / rate_hz);
+    all.push_back({&joints, method,
+                   MarkerTrack(std::move(positions), std::move(markers), duration_from_s(gap_s),
+                               plan.rig.empty() && planned.truth_has_z_up),
+                   first_s, 0.0, std::move(left_out)});
+  }
+  return all;
+}
+
+void points_at(const BroughtTrack& brought, double since_s, std::span<Eigen::Vector3d> points) {
+  brought.track.at(MocapTime{} + duration_from_s(since_s - brought.offset_s - brought.first_s), points);
+}
+
+MethodPaths paths_of(const Plan& plan, const BroughtTrack& brought, const std::vector<double>& since_s) {
+  const std::size_t count = plan.names.size();
+  MethodPaths paths{brought.method, count, std::vector<PathPoint>(since_s.size() * count)};
+  std::vector<Eigen::Vector3d> points(count);
+  for (std::size_t i = 0; i < since_s.size(); ++i) {
+    points_at(brought, since_s[i], points);
+    for (std::size_t j = 0; j < count; ++j)
+      paths.points[i * count + j] = {
+          points[j], points[j].allFinite() ? SolveStatus::given : SolveStatus::no_observation, 0};
+  }
+  return paths;
+}
+
+}  // namespace trilat

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/mocap/mocap_reader.h"
+#include "evaluators/alignment/interpolation.h"
+#include "pipeline/accuracy/methods/over_time.h"
+#include "pipeline/accuracy/take/marker_track.h"
+#include "pipeline/accuracy/take/plan.h"
+#include "pipeline/accuracy/take/take_data.h"
+
+namespace trilat {
+
+// A file of markers of any format that is known: TRC, OptiTrack CSV, or a CSV of joints. InputError for
+// others.
+MocapHeader read_marker_header(const std::filesystem::path& file);
+MocapPositions read_markers(const std::filesystem::path& file);
+
+// The points of a take's truth that it also brings: by its mapping; else by their names, or the joints that
+// the names tell (propose_mapping()), whichever are more. InputError with the names of both where there is
+// none.
+std::vector<NamedPoint> common_points(const Take& take);
+
+// A take without a session: its points, its instants on the mocap's clock, and which axis is up.
+void look_into_brought(PlannedTake& planned, const StudySpec& study);
+
+// The points of a take without a session, as its mocap has them.
+MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned);
+
+// What a take brings of the plan's names.
+struct BroughtTrack {
+  const BroughtJoints* joints = nullptr;
+  std::size_t method = 0;  // of the plan
+  MarkerTrack track;
+  double first_s = 0.0;               // its first frame, in seconds since the take's first instant
+  double offset_s = 0.0;              // by motion: what it shows at t was at t + offset_s
+  std::vector<std::string> left_out;  // names of its that are none of the plan's
+};
+std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& planned);
+
+// The plan's points at a time since the take's first instant; NaN where it has none.
+void points_at(const BroughtTrack& brought, double since_s, std::span<Eigen::Vector3d> points);
+
+// Holds it against the truth, by name, at the instants: another unit, other axes, another rate, another
+// start, another person, an end before the truth's, holes; each note has its size and the remedy. Puts it at
+// the start that the motion shows where that is asked for.
+std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned, const PointPath* truth,
+                                    BroughtTrack& brought);
+
+// As paths of its method, at times since the first instant.
+MethodPaths paths_of(const Plan& plan, const BroughtTrack& brought, const std::vector<double>& since_s);
+
+}  // namespace trilat

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/accuracy/take/marker_track.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/take/campaign.h"
+#include "evaluators/alignment/interpolation.h"
+#include "evaluators/solvers/point_estimate.h"
+
+namespace trilat {
+
+MarkerTrack::MarkerTrack(MocapPositions positions, std::vector<std::vector<std::size_t>> markers_of_point,
+                         Duration longest_gap, bool has_z_up)
+    : positions_(std::move(positions)),
+      markers_of_point_(std::move(markers_of_point)),
+      longest_gap_(longest_gap),
+      has_z_up_(has_z_up) {}
+
+// Where `after` is the first frame that is not before t.
+Eigen::Vector3d MarkerTrack::marker_at(std::size_t marker, std::size_t after, MocapTime t) const {
+  const std::vector<Eigen::Vector3d>& position_m = positions_.position_m[marker];
+  const auto is_near = [&](std::size_t frame) {
+    const Duration off = positions_.time[frame] < t ? t - positions_.time[frame] : positions_.time[frame] - t;
+    return off <= longest_gap_;
+  };
+  const auto is_there = [&](std::size_t frame) { return position_m[frame].x() == position_m[frame].x(); };
+  while (after < position_m.size() && !is_there(after) && is_near(after)) ++after;
+  if (after == position_m.size() || !is_there(after)) return Eigen::Vector3d::Constant(kNaN);
+  if (positions_.time[after] == t) return position_m[after];
+  std::size_t before = after;
+  while (before > 0 && (!(positions_.time[before] < t) || (!is_there(before) && is_near(before)))) --before;
+  if (!(positions_.time[before] < t) || !is_there(before)) return Eigen::Vector3d::Constant(kNaN);
+  return interpolate(t, positions_.time[before], position_m[before], positions_.time[after],
+                     position_m[after], longest_gap_)
+      .value_or(Eigen::Vector3d::Constant(kNaN));
+}
+
+void MarkerTrack::at(MocapTime t, std::span<Eigen::Vector3d> points) const {
+  const auto earlier = [](MocapTime a, MocapTime b) { return a < b; };
+  const auto after = static_cast<std::size_t>(std::ranges::lower_bound(positions_.time, t, earlier) -
+                                              positions_.time.begin());
+  for (std::size_t j = 0; j < points.size(); ++j) {
+    const std::vector<std::size_t>& markers = markers_of_point_[j];
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const std::size_t marker : markers) sum += marker_at(marker, after, t);
+    points[j] = markers.empty() ? Eigen::Vector3d::Constant(kNaN)
+                                : Eigen::Vector3d(sum / static_cast<double>(markers.size()));
+    if (has_z_up_) points[j] = y_up_from_z_up(points[j]);
+  }
+}
+
+MocapTime MarkerTrack::end() const { return positions_.time.empty() ? MocapTime{} : positions_.time.back(); }
+
+double MarkerTrack::repeated_share() const {
+  double repeated = 0.0;
+  for (std::size_t frame = 1; frame < positions_.time.size(); ++frame) {
+    bool any = false, same = true;
+    for (const std::vector<Eigen::Vector3d>& position_m : positions_.position_m) {
+      if (position_m.empty() || !position_m[frame].allFinite()) continue;
+      any = true;
+      same = same && position_m[frame] == position_m[frame - 1];
+    }
+    repeated += any && same ? 1.0 : 0.0;
+  }
+  return repeated / std::max(1.0, static_cast<double>(positions_.time.size()));
+}
+
+std::vector<std::string> oddities_of(const MarkerTrack& track) {
+  constexpr double kMostRepeated = 0.2;  // of the frames
+  std::vector<std::string> odd;
+  if (const double share = track.repeated_share(); share > kMostRepeated)
+    odd.push_back(fmt::format(
+        "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
+        "of the stated one, and what moves stands still between; export it at the rate of the capture",
+        100.0 * share, 100.0 * (1.0 - share)));
+  if (const RemovedPoses removed = track.positions().removed; removed.frozen > 0)
+    odd.push_back(fmt::format(
+        "{} poses of rigid bodies or bones repeat the one before to the last digit, though the file "
+        "has finer steps: they were lost, and are not used as measurements",
+        removed.frozen));
+  if (const RemovedPoses removed = track.positions().removed; removed.at_origin > 0)
+    odd.push_back(
+        fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "
+                    "used as measurements",
+                    removed.at_origin));
+  const MocapAnomalies& counted = track.positions().anomalies;
+  if (counted.truncated_last_row || counted.repeated_frames > 0 || counted.partial_poses > 0)
+    odd.push_back(
+        fmt::format("{}{} repeated frames and {} incomplete poses were left out; `trilat info` says more",
+                    counted.truncated_last_row ? "is cut off in its last row; " : "", counted.repeated_frames,
+                    counted.partial_poses));
+  if (counted.frames_promised > 0)
+    odd.push_back(fmt::format("has {} frames where its header promises {}: was it cut?", counted.frames_there,
+                              counted.frames_promised));
+  if (counted.printed_time_differs > 0)
+    odd.push_back(
+        fmt::format("{} printed times are more than a frame off what frame number and rate give; is the "
+                    "export's frame rate right?",
+                    counted.printed_time_differs));
+  return odd;
+}
+
+}  // namespace trilat

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// `trilat compare`: joints that any method or system gave, against motion capture.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "datasets/base/error.h"
+#include "datasets/base/median.h"
+#include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/cli/check_output.h"
+#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/verbs.h"
+
+namespace trilat {
+namespace {
+
+struct CompareArguments {
+  std::filesystem::path truth, mapping, output = "out/compare";
+  std::vector<std::filesystem::path> files;
+  std::string up = "auto";
+  bool clock_by_motion = false, force = false, json = false;
+  int threads = 0;
+};
+
+Campaign campaign_of(const CompareArguments& a) {
+  Take take;
+  take.id = usable_id(a.truth.stem().string());
+  take.participant = "one";
+  take.activity = take.id;
+  take.mocap = a.truth;
+  take.mapping = a.mapping;
+  take.up_axis = static_cast<UpAxis>(std::ranges::find(kUpAxisNames, a.up) - kUpAxisNames.begin());
+  std::set<std::string> names;
+  for (const std::filesystem::path& file : a.files) {
+    const std::string name = file.stem().string();
+    if (!names.insert(name).second)
+      throw InputError(file.string(), "is called \"" + name + "\" as a file before it; rename one of them");
+    take.joints.push_back({name, file, {}, a.clock_by_motion});
+  }
+  return {.name = take.id, .takes = {take}, .folder = a.truth.parent_path()};
+}
+
+// The truth's own frames are the instants.
+double rate_of(const std::filesystem::path& truth) {
+  const MocapPositions positions = read_markers(truth);
+  if (std::isfinite(positions.header.export_rate_hz)) return positions.header.export_rate_hz;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < positions.time.size(); ++i)
+    steps_s.push_back((positions.time[i] - positions.time[i - 1]).seconds());
+  if (steps_s.empty()) throw InputError(truth.string(), "has fewer than two frames");
+  return 1.0 / upper_median(steps_s);
+}
+
+StudySpec study_of(const CompareArguments& a) {
+  const double rate_hz = rate_of(a.truth);
+  return parse_study({{"format", "trilat.study"},
+                      {"version", 1},
+                      {"kind", "accuracy"},
+                      {"name", "compare"},
+                      {"alignments", {"none", "mean"}},
+                      {"truth_gap_s", std::max(0.055, 1.6 / rate_hz)},
+                      {"rate_hz", rate_hz}},
+                     "compare", {});
+}
+
+// "+0.3" in centimetres; a dash where there is none.
+std::string cm_text(double cm, const char* sign = "") {
+  if (!std::isfinite(cm)) return "-";
+  const double shown = std::abs(cm) < 0.05 ? 0.0 : cm;
+  return *sign == '+' ? fmt::format("{:+.1f}", shown) : fmt::format("{:.1f}", shown);
+}
+
+// Of the points that a method answers: the mean of their mean errors and biases.
+struct ComparedRow {
+  std::string method, error;
+  std::uint64_t asked = 0, answered = 0;
+  std::size_t points = 0;
+  double mae_m = 0.0;
+  std::array<double, 3> bias_m{};
+};
+
+ComparedRow row_of(const ResultsSummary& s, const std::string& method, const std::string& alignment) {
+  ComparedRow row;
+  row.method = method;
+  for (const SummaryCell& cell : s.cells) {
+    if (cell.method != method || cell.alignment != alignment || cell.group == kAverageGroup) continue;
+    row.asked += cell.asked;
+    row.answered += cell.answered;
+    if (cell.answered == 0) continue;
+    ++row.points;
+    row.mae_m += cell.mae_m;
+    for (std::size_t axis = 0; axis < 3; ++axis) row.bias_m[axis] += cell.bias_m[axis];
+  }
+  const auto n = static_cast<double>(row.points);
+  row.mae_m /= n;
+  for (double& bias_m : row.bias_m) bias_m /= n;
+  row.error = cm_text(kCentimetresPerMetre * row.mae_m);
+  const SummaryCell* all = find_cell(s, method, s.conditions.front(), average_group(s), alignment);
+  if (all && std::isfinite(all->mae_low_m))
+    row.error += fmt::format(" ({:.1f} to {:.1f})", kCentimetresPerMetre * all->mae_low_m,
+                             kCentimetresPerMetre * all->mae_high_m);
+  return row;
+}
+
+void print_tables(const ResultsSummary& s) {
+  std::size_t width = 6;
+  for (const std::string& method : s.methods) width = std::max(width, method.size());
+  for (const std::string& alignment : s.alignments) {
+    std::vector<ComparedRow> rows;
+    for (const std::string& method : s.methods) rows.push_back(row_of(s, method, alignment));
+    std::ranges::stable_sort(rows, {}, [](const ComparedRow& row) {
+      return row.points == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
+    });
+    fmt::print("alignment {}, centimetres\n{:<{}}  {:>20}  {:>8}  {:>7} {:>7} {:>7}  {:>8}\n", alignment,
+               "method", width, "mean error", "answered", "bias x", "y", "z", "points");
+    for (const ComparedRow& row : rows) {
+      fmt::print("{:<{}}  {:>20}  {:>7.1f}%", row.method, width, row.error,
+                 100.0 * share_of(row.answered, row.asked));
+      for (const double bias_m : row.bias_m)
+        fmt::print(" {:>7}", cm_text(kCentimetresPerMetre * bias_m, "+"));
+      fmt::print("  {:>2} of {:>2}\n", row.points, s.groups.size());
+    }
+  }
+}
+
+int compare(const CompareArguments& a) {
+  const Campaign campaign = campaign_of(a);
+  std::vector<std::filesystem::path> inputs = a.files;
+  inputs.insert(inputs.end(), {a.truth, a.mapping});
+  const OutputMark mark{"compare", {"compare"}, campaign.name};
+  check_output_folder({a.output, inputs, a.force}, mark);
+  const StudySpec study = study_of(a);
+  mark_output(a.output, mark);
+  const ResultsSummary summary = [&] {
+    Progress progress("comparing");
+    return execute_study(study, campaign, a.output,
+                         {.threads = a.threads,
+                          .stop_requested = stop_requested,
+                          .progress = [&](double share) { progress.set(share); }});
+  }();
+  for (const TakeNote& note : summary.notes) {
+    if (note.failed) throw InputError(note.place, note.text);
+    fmt::print(stderr, "note: {}: {}\n", note.place, note.text);
+  }
+  if (a.json)
+    fmt::print("{}\n",
+               json_text(Json{{"results", a.output.string()}, {"errors", json_of(summary.cells)}}, 2));
+  else {
+    print_tables(summary);
+    fmt::print("results: {}\nnext: trilat report {} -o report\n", a.output.string(), a.output.string());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int& code) {
+  auto [verb, a] = add_verb<CompareArguments>(
+      app, code, "compare", "joints that any method or system gave, against motion capture", compare);
+  verb.add_option("truth", a.truth, "OptiTrack CSV, TRC, or CSV of joints")->required();
+  verb.add_option("files", a.files, "TRC, OptiTrack CSV, or CSV of joints, one a method")->required();
+  verb.add_option(
+      "--mapping", a.mapping,
+      "mapping.json of the truth's assets; without it the names that both files have are compared");
+  verb.add_option("--up", a.up, "the axis of the files that points up: y, z; else the person shows it")
+      ->check(CLI::IsMember(std::vector<std::string>(kUpAxisNames.begin(), kUpAxisNames.end())))
+      ->capture_default_str();
+  verb.add_flag("--clock-by-motion", a.clock_by_motion, "put each file at the start that its motion shows");
+  verb.add_option("-o,--output", a.output, "results folder")->capture_default_str();
+  add_threads(verb, a.threads);
+  add_force(verb, a.force);
+  add_json(verb, a.json);
+  verb.footer("Example: trilat compare truth.csv mine.trc other.trc --mapping mapping.json");
+}
+
+}  // namespace trilat

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: MIT
+"""Joints that other methods and systems gave: `trilat compare`, and takes that bring joints."""
+import json
+import math
+import shutil
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from made import SOURCE, ScratchTest, made, trilat
+
+sys.path.insert(0, str(SOURCE / "python"))
+import trilat as library  # noqa: E402
+
+RATE_HZ, FRAMES = 50.0, 400
+NAMES = ("head", "knee_left", "ankle_left", "ankle_right", "LTH3", "Marker 7")
+OPENSIM = SOURCE.parent / "shared/data/markers-other/opensim-core/test_walking.trc"
+
+
+def walk(seed=1, frames=FRAMES, person=0.0):
+    """A person's points over time, made up: (time_s, {name: (frames, 3) metres})."""
+    rng, time_s = np.random.default_rng(seed), np.arange(frames) / RATE_HZ
+    body = np.stack([np.sin(0.5 * time_s), 0.03 * np.sin(7 * time_s), np.cos(0.4 * time_s + person)], axis=1)
+    points = {}
+    for name, height_m in zip(NAMES, (1.7, 0.5, 0.1, 0.1, 0.8, 1.2)):
+        phase = rng.uniform(0, 6, 3)
+        swing = 0.3 * np.sin((3.1 + person) * time_s[:, None] + phase) * (1.8 - height_m)
+        points[name] = body + swing + [0, height_m, 0] + rng.normal(0, 0.05, 3) * [1, 0, 1]
+    return time_s, points
+
+
+class Compare(ScratchTest):
+    def setUp(self):
+        super().setUp()
+        self.time_s, self.truth = walk()
+        library.write_joints(self.folder / "truth.csv", self.time_s, self.truth)
+
+    def brought(self, name, change, time_s=None):
+        times = self.time_s if time_s is None else time_s
+        library.write_joints(self.folder / name, times, {key: change(np.array(value), key) for key, value in self.truth.items()})
+        return self.folder / name
+
+    def compared(self, *files, code=0, more=()):
+        return trilat("compare", self.folder / "truth.csv", *files, "-o", self.folder / "results", "--force", *more, code=code)
+
+    def cells(self):
+        return json.loads((self.folder / "results/summary.json").read_text())["cells"]
+
+    def test_errors_and_biases_are_those_of_numpy(self):
+        rng = np.random.default_rng(2)
+        noise = {key: rng.normal(0.02, 0.03, (FRAMES, 3)) for key in NAMES}
+        holes = rng.uniform(size=FRAMES) < 0.1
+        mine = self.brought("mine.csv", lambda at, key: np.where(holes[:, None] & (key == "head"), np.nan, at + noise[key]))
+        # a hole is bridged by a straight line where it is short
+        self.compared(mine)
+        for key in NAMES:
+            given = self.truth[key] + noise[key]
+            if key == "head":
+                known = np.flatnonzero(~holes)
+                given = np.stack([np.interp(self.time_s, self.time_s[known], given[known, axis]) for axis in range(3)], axis=1)
+                asked = np.array([holes[i - 1:i + 2].sum() <= 1 for i in range(FRAMES)])
+            error = given - self.truth[key]
+            cell = {c["alignment"]: c for c in self.cells() if c["group"] == key.replace("_left", "").replace("_right", "")}
+            if key in ("head", "ankle_left", "ankle_right"):
+                continue  # judged below, or two joints in one group
+            self.assertAlmostEqual(cell["none"]["mae_m"], np.linalg.norm(error, axis=1).mean(), delta=1e-9)
+            np.testing.assert_allclose(cell["none"]["bias_m"], error.mean(axis=0), atol=1e-9)
+            self.assertAlmostEqual(cell["mean"]["mae_m"], np.linalg.norm(error - error.mean(axis=0), axis=1).mean(), delta=1e-9)
+        self.assertTrue(asked.any())
+        ankles = np.concatenate([noise["ankle_left"], noise["ankle_right"]])
+        cell = next(c for c in self.cells() if c["group"] == "ankle" and c["alignment"] == "none")
+        self.assertAlmostEqual(cell["mae_m"], np.linalg.norm(ankles, axis=1).mean(), delta=1e-9)
+
+    def test_it_prints_none_before_mean_in_centimetres_with_the_bias(self):
+        said = self.compared(self.brought("mine.trc", lambda at, key: at + [0.03, 0, -0.04]))
+        self.assertLess(said.index("alignment none"), said.index("alignment mean"))
+        self.assertRegex(said, r"mine +5\.0 \(\S+ to \S+\) +100\.0% +\+3\.0 +\+0\.0 +-4\.0  +5 of +5")
+
+    def test_what_is_wrong_with_a_file_is_named_with_its_size(self):
+        still = lambda at, key: at
+        wrong = {
+            "late.csv": (still, self.time_s + 0.3, "starts about 0.30 s later|starts 0.3\\d+ s .* later"),
+            "slow.csv": (still, 2 * self.time_s, "runs 0.5 times as fast as the truth"),
+            "thousand.csv": (lambda at, key: at * 0.001, None, "lies 0.001 times as far apart"),
+            "axes.csv": (lambda at, key: at[:, [0, 2, 1]], None, "has other axes than the truth: read as \\(x, z, y\\)"),
+            "half.csv": (lambda at, key: np.where(np.arange(FRAMES)[:, None] < FRAMES // 2, at, np.nan), None,
+                         "has no position for 50 %|holds 0.00 to"),
+            "other.csv": (lambda at, key: walk(seed=9, person=1.3)[1][key] + [2, 0, 1], None, ".*is it the same take, and the same person"),
+        }
+        for name, (change, times, words) in wrong.items():
+            with self.subTest(name):
+                said = self.compared(self.brought(name, change, times))
+                self.assertRegex(said, f"note: {name}: ({words})")
+        sound = self.compared(self.brought("sound.csv", lambda at, key: at + np.random.default_rng(3).normal(0, 0.02, at.shape)))
+        self.assertNotIn("note: sound", sound)
+
+    def test_a_start_that_the_motion_shows_is_applied_where_that_is_asked_for(self):
+        late = self.brought("late.csv", lambda at, key: at, self.time_s + 0.2)
+        self.compared(late, more=["--clock-by-motion"])
+        cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+        self.assertLess(cell["mae_m"], 0.01)
+
+    def test_bad_input_is_refused_at_its_place(self):
+        mine = self.brought("mine.csv", lambda at, key: at)
+        (self.folder / "again").mkdir()
+        shutil.copy(mine, self.folder / "again/mine.csv")
+        self.assertIn('is called "mine" as a file before it', self.compared(mine, self.folder / "again/mine.csv", code=2))
+        (self.folder / "bad.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1,2,three\n")
+        self.assertIn('bad.csv:2: z_m is "three", which is no number', self.compared(self.folder / "bad.csv", code=2))
+        (self.folder / "short.csv").write_text("time_s,joint,x_m,y_m\n0,head,1,2\n")
+        self.assertIn("short.csv:1: has no column z_m", self.compared(self.folder / "short.csv", code=2))
+        (self.folder / "far.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1700,2,3\n")
+        self.assertIn("far.csv:2: head is more than 100 m; have the numbers another unit", self.compared(self.folder / "far.csv", code=2))
+        library.write_joints(self.folder / "names.csv", self.time_s, {"nobody": self.truth["head"]})
+        said = self.compared(self.folder / "names.csv", code=2)
+        self.assertIn("names.csv: has no point that truth.csv has: here are nobody, there head", said)
+
+    def test_names_of_pose_estimators_are_the_joints_that_they_mean(self):
+        called = {"head": "Head", "knee_left": "LKnee", "ankle_left": "LAnkle", "ankle_right": "RAnkle"}
+        library.write_joints(self.folder / "openpose.trc", self.time_s, {called[key]: self.truth[key] for key in called})
+        self.compared(self.folder / "openpose.trc")
+        self.assertEqual({c["group"] for c in self.cells()}, {"head", "knee", "ankle", "average"})
+
+    @unittest.skipUnless(OPENSIM.exists(), f"{OPENSIM} is not there")
+    def test_a_real_trc_against_itself_has_the_shift_and_turn_that_were_put_in(self):
+        head, rows = OPENSIM.read_text().splitlines()[:5], [line.split("\t") for line in OPENSIM.read_text().splitlines()[5:] if line.strip()]
+        cos, sin = math.cos(0.1), math.sin(0.1)
+        moved, lengths = list(head), []
+        for row in rows:
+            at = np.array([float(x or "nan") for x in row[2:2 + 3 * 40]]).reshape(40, 3)
+            seen = np.isfinite(at[:, 0]) & np.any(at != 0, axis=1)
+            to = np.stack([cos * at[:, 0] + sin * at[:, 2], at[:, 1], cos * at[:, 2] - sin * at[:, 0]], axis=1) + [10, -20, 5]
+            lengths.append(np.where(seen, np.linalg.norm(to - at, axis=1), np.nan))
+            moved.append("\t".join([*row[:2], *(f"{x:.6f}" if ok else "" for point, ok in zip(to, seen) for x in point)]))
+        (self.folder / "moved.trc").write_text("\n".join(moved) + "\n")
+        said = trilat("compare", OPENSIM, self.folder / "moved.trc", "-o", self.folder / "results")
+        self.assertIn("neither states nor shows which axis is up: its own axes are used", said)
+        cells = [c for c in self.cells() if c["group"] not in ("average",) and c["alignment"] == "none"]
+        names = head[3].split("\t")[2::3]
+        by_name = dict(zip(names, np.nanmean(np.array(lengths), axis=0) / 1000))
+        for cell in cells:
+            if cell["group"] in by_name:
+                self.assertAlmostEqual(cell["mae_m"], by_name[cell["group"]], delta=1e-8, msg=cell["group"])
+
+
+class Brought(ScratchTest):
+    """A take of the made campaign brings the joints of an own method beside its session."""
+
+    def test_an_own_fusion_stands_in_every_table_beside_the_built_in_methods(self):
+        shutil.copytree(made() / "campaign", self.folder / "camp")
+        campaign = json.loads((self.folder / "camp/campaign.json").read_text())
+        for take in campaign["takes"]:
+            with library.session(self.folder / "camp" / take["session"]) as session:
+                seen = session.joints_in_world(self.folder / "camp" / take["calibration"])
+            fused_m = np.nanmean(np.where((seen.tracking_state == 2)[..., None], seen.position_m, np.nan), axis=1)
+            library.write_joints(self.folder / f"camp/{take['id']}.csv", seen.time_s,
+                                 {joint: fused_m[:, number] for number, joint in enumerate(library.JOINTS)})
+            take["joints"] = [{"method": "mine", "file": f"{take['id']}.csv"}]
+        (self.folder / "camp/campaign.json").write_text(json.dumps(campaign))
+        study = self.written("study.json", {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "own", "alignments": ["none"],
+                                            "repair_exchanges": False, "methods": [{"method": "mean"}, {"method": "nonlinear"}]})
+        trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results")
+        summary = json.loads((self.folder / "results/summary.json").read_text())
+        self.assertEqual(summary["methods"], ["mean", "nonlinear", "mine"])
+        error = {c["method"]: c["mae_m"] for c in summary["cells"] if c["group"] == "average" and c["condition"] == "walking"}
+        self.assertAlmostEqual(error["mine"], error["mean"], delta=0.01)
+        self.assertNotEqual(error["mine"], error["mean"])
+        self.assertIn("given", next(c for c in summary["cells"] if c["method"] == "mine")["statuses"])
+        trilat("report", self.folder / "results", "-o", self.folder / "report")
+        self.assertIn(">mine<", (self.folder / "report/report.html").read_text())
+
+    def test_takes_without_a_session_need_no_calibration_and_16_are_quick(self):
+        takes = []
+        (self.folder / "camp").mkdir()
+        for person in range(16):
+            time_s, truth = walk(seed=person)
+            library.write_joints(self.folder / f"camp/{person}.csv", time_s, truth)
+            for method, off_m in (("a", 0.02), ("b", 0.03)):
+                library.write_joints(self.folder / f"camp/{person}-{method}.csv", time_s, {key: at + [off_m, 0, 0] for key, at in truth.items()})
+            takes.append({"id": f"p{person}", "participant": f"p{person}", "activity": "walking", "mocap": f"{person}.csv",
+                          "joints": [{"method": method, "file": f"{person}-{method}.csv"} for method in "ab"]})
+        self.written("camp/campaign.json", {"format": "trilat.campaign", "version": 1, "name": "brought", "takes": takes})
+        study = self.written("study.json", {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "brought",
+                                            "alignments": ["none"], "reference": "b"})
+        began = time.monotonic()
+        trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results")
+        print(f"16 takes of two brought methods: {time.monotonic() - began:.2f} s")
+        cells = {c["method"]: c for c in json.loads((self.folder / "results/summary.json").read_text())["cells"] if c["group"] == "average"}
+        self.assertAlmostEqual(cells["a"]["mae_m"], 0.02, delta=1e-9)
+        self.assertAlmostEqual(cells["b"]["mae_m"], 0.03, delta=1e-9)
+        self.assertIn("found", trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results", "--json"))
+
+    def test_a_method_of_one_name_twice_is_refused(self):
+        time_s, truth = walk()
+        library.write_joints(self.folder / "t.csv", time_s, truth)
+        take = {"id": "a", "participant": "p", "mocap": "t.csv", "joints": [{"method": "m", "file": "t.csv"}] * 2}
+        self.written("campaign.json", {"format": "trilat.campaign", "version": 1, "name": "n", "takes": [take]})
+        study = self.written("study.json", {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "s"})
+        said = trilat("run", study, "--campaign", self.folder, "-o", self.folder / "x", code=2)
+        self.assertIn('/takes/0/joints/1/method: is "m", which other joints of this take have', said)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
