@@ -165,12 +165,22 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   summarise(errors, summary);
   summary.claims = claims_of(errors);
   StoredTables shown = accuracy_shown(summary, outcome.tracking);
+  std::vector<AngleSums> angles;
+  for (const TakeResult& result : results)
+    angles.insert(angles.end(), result.tracking.angles.begin(), result.tracking.angles.end());
+  for (Table& table : angle_tables(without_sets(summary), angles)) {
+    if (run.plan.rig.empty()) table.shown = Table::Shown::first;
+    shown.tables.push_back(std::move(table));
+  }
   for (Table& table : agreement_tables(errors)) {
     table.shown = Table::Shown::file;
     shown.tables.push_back(std::move(table));
   }
   store_tables(folder, std::move(shown));
-  write_beside(folder, StoredFigures{accuracy_figures(without_sets(summary))});
+  StoredFigures figures{accuracy_figures(without_sets(summary))};
+  for (Figure& figure : angle_figures(without_sets(summary), angles))
+    figures.figures.push_back(std::move(figure));
+  write_beside(folder, figures);
   write_summary(folder, summary);
   watch.tell(1.0);
 }

@@ -11,6 +11,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/stored_take.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -69,18 +70,25 @@ class TrackSolver {
     for (MethodPaths& path : brought) paths.push_back(std::move(path));
     SampleBlock block;
     std::optional<Predictions> predictions;
+    AngleErrors angles(file_.head(), planned_.take.participant, planned_.level);
     if (planned_.truth == TakeTruth::left_out_sensor) predictions.emplace(plan_, planned_, track);
     for (std::uint64_t first = 0; first < planned_.instants; first += kBlock) {
       watch_.check();
       const std::uint64_t count = std::min(kBlock, planned_.instants - first);
       block.reset(first, count, plan_.joints.size(), plan_.methods.size());
       solve(data, paths, block);
-      if (predictions) predictions->add(block);
+      if (predictions)
+        predictions->add(block);
+      else
+        angles.add(block);
       const Stopwatch time(clocks_.write_ns);
       file_.write(track, block);
       progress_.advance(count);
     }
-    if (!predictions) return;
+    if (!predictions) {
+      result_.tracking.angles = angles.sums();
+      return;
+    }
     std::vector<PredictionSums>& all = result_.tracking.predictions;
     for (PredictionSums& sums : predictions->sums()) all.push_back(std::move(sums));
   }
@@ -236,6 +244,10 @@ EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, con
     paths = paths_brought(plan, planned, since_s, truth_m, notes);
   }
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
+  AngleErrors angles(file.head(), planned.take.participant, planned.level);
+  if (angles.lacks_up())
+    notes.push_back({planned.take.id, false, planned.take.mocap.string(),
+                     "trunk inclination is left out, which needs the axis that points up; say which it is"});
   SampleBlock block;
   for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
     watch.check();
@@ -249,12 +261,14 @@ EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, con
     }
     std::ranges::fill(block.status, static_cast<std::uint8_t>(SolveStatus::no_observation));
     for (const MethodPaths& path : paths) store_path(plan, path, block);
+    angles.add(block);
     const Stopwatch time(clocks.write_ns);
     file.write(0, block);
     watch.tell(static_cast<double>(first + count) / static_cast<double>(planned.instants));
   }
   evaluated.errors = write_errors(file, errors, clocks);
   file.finish();
+  evaluated.result.tracking.angles = angles.sums();
   evaluated.result.evaluated = true;
   return evaluated;
 }

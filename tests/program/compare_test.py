@@ -124,6 +124,34 @@ class Compare(ScratchTest):
         self.compared(self.folder / "openpose.trc")
         self.assertEqual({c["group"] for c in self.cells()}, {"head", "knee", "ankle", "average"})
 
+    def test_joint_angles_are_those_of_numpy(self):
+        rng, names = np.random.default_rng(4), ("hip_left", "hip_right", "shoulder_left", "shoulder_right", "knee_left", "ankle_left")
+        truth = {name: rng.normal(0, 0.3, 3) + 0.1 * np.sin(rng.uniform(1, 3) * self.time_s[:, None] + rng.uniform(0, 6, 3)) for name in names}
+        given = {name: at + rng.normal(0.02, 0.02, at.shape) for name, at in truth.items()}
+        library.write_joints(self.folder / "truth.csv", self.time_s, truth)
+        library.write_joints(self.folder / "mine.csv", self.time_s, given)
+        self.compared(self.folder / "mine.csv", more=["--up", "y"])
+
+        def between(a, b):
+            return np.degrees(np.arccos((a * b).sum(axis=1) / np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1)))
+
+        def angles(at):
+            up = np.array([[0.0, 1.0, 0.0]])
+            return {"knee flexion": 180 - between(at["hip_left"] - at["knee_left"], at["ankle_left"] - at["knee_left"]),
+                    "hip flexion": 180 - between(at["shoulder_left"] - at["hip_left"], at["knee_left"] - at["hip_left"]),
+                    "trunk inclination": between((at["shoulder_left"] + at["shoulder_right"] - at["hip_left"] - at["hip_right"]) / 2, up)}
+
+        table = library.tables(self.folder / "results")["angles-truth"].set_index("angle")
+        true, mine = angles(truth), angles(given)
+        self.assertEqual(set(table.index), set(true))
+        for name in true:
+            error, row = mine[name] - true[name], table.loc[name]
+            for key, wanted in (("mae_deg", np.abs(error).mean()), ("rmse_deg", np.sqrt((error**2).mean())), ("bias_deg", error.mean()),
+                                ("range_of_motion_deg", np.ptp(mine[name])), ("truth_range_of_motion_deg", np.ptp(true[name]))):
+                self.assertAlmostEqual(row[key], wanted, delta=1e-6, msg=f"{name} {key}")
+        self.assertIn("trunk inclination is left out", self.compared(self.folder / "mine.csv"))
+        self.assertNotIn("trunk inclination", set(library.tables(self.folder / "results")["angles-truth"]["angle"]))
+
     @unittest.skipUnless(OPENSIM.exists(), f"{OPENSIM} is not there")
     def test_a_real_trc_against_itself_has_the_shift_and_turn_that_were_put_in(self):
         head, rows = OPENSIM.read_text().splitlines()[:5], [line.split("\t") for line in OPENSIM.read_text().splitlines()[5:] if line.strip()]

@@ -8,6 +8,7 @@
 #include "datasets/results/figure.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
+#include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/errors/condition_errors.h"
 
@@ -51,6 +52,11 @@ std::vector<Table> apart_tables(const ResultsSummary& summary);
 // table a condition.
 Table agreement_table(const StudyErrors& errors, const std::string& condition, std::size_t alignment);
 std::vector<Table> agreement_tables(const StudyErrors& errors);
+
+// Joint angles by method, with ranges of motion and limits of agreement, and the figure of Bland and Altman;
+// a table and a figure a condition whose takes have angles.
+std::vector<Table> angle_tables(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
+std::vector<Figure> angle_figures(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 
 // What a run says of how its sensors tracked: which views each rule rejects, by joint and by sensor;
 // exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.

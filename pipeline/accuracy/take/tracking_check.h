@@ -2,6 +2,7 @@
 #pragma once
 
 #include "datasets/base/described.h"
+#include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/tracking_summary.h"
@@ -16,8 +17,9 @@ struct TakeTracking {
   RayRow rays = {};
   std::vector<CorrectionRow> corrections = {};
   std::vector<PredictionSums> predictions = {};
+  std::vector<AngleSums> angles = {};
 
-  TRILAT_FIELDS(views, exchanges, predictions, clock, rays, corrections)
+  TRILAT_FIELDS(views, exchanges, predictions, clock, rays, corrections, angles)
 };
 
 // Counts which views each rule and each method with an occlusion rule rejects, and which exchanges of left
