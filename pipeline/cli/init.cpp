@@ -11,8 +11,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
+#include "datasets/mocap/joint_csv.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/accuracy/proposals.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -111,12 +113,35 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
   for (const fs::path& stem : {session.stem(), fs::path("mocap")})
     if (const auto one = std::ranges::find(all, stem, &fs::path::stem); one != all.end()) return *one;
   if (all.empty()) return {};
+  // beside OptiTrack's own export a TRC is what another method gave
+  if (all.size() > 1) std::erase_if(all, [](const fs::path& file) { return file.extension() == ".trc"; });
   if (all.size() == 1 && std::ranges::count(sessions, session.parent_path(), &fs::path::parent_path) == 1)
     return all.front();
   found.notes.push_back(fmt::format("{}: which motion capture is its own cannot be told; call it {}{}",
                                     session.string(), session.stem().string(),
                                     all.front().extension().string()));
   return {};
+}
+
+// What other methods gave of the only recording of a folder, with the joints that its names tell: any other
+// TRC, export or CSV of joints beside its motion capture.
+std::vector<BroughtJoints> joints_beside(const Take& take, const std::vector<fs::path>& sessions) {
+  std::vector<BroughtJoints> joints;
+  const fs::path folder = take.session.parent_path();
+  if (take.mocap.empty() || std::ranges::count(sessions, folder, &fs::path::parent_path) != 1) return joints;
+  std::vector<fs::path> files;
+  for (const auto& file : fs::directory_iterator(folder))
+    if (file.is_regular_file() && file.path() != take.mocap &&
+        (is_mocap(file.path()) || (file.path().extension() == ".csv" && is_joint_csv(file.path()))))
+      files.push_back(file.path());
+  std::ranges::sort(files);
+  for (const fs::path& file : files) {
+    joints.push_back({file.stem().string(), file});
+    for (const JointMapping::Entry& entry : propose_mapping(read_marker_header(file)).joints)
+      joints.back().mapping.push_back({std::string(name_of(entry.joint)), entry.assets});
+    if (joints.back().mapping.empty()) joints.pop_back();
+  }
+  return joints;
 }
 
 // "p01/walk.h5" is p01's walk; "p01/session.h5", of a participant who has one, has no name of its own.
@@ -163,6 +188,16 @@ Found look_around(const InitArguments& arguments) {
               "better ones",
               session.string(), (arguments.folder / "calibration.json").string()));
     take.mocap = mocap_beside(session, sessions, found);
+    take.joints = joints_beside(take, sessions);
+    if (!take.joints.empty()) {
+      std::string names;
+      for (const BroughtJoints& joints : take.joints) names += (names.empty() ? "" : ", ") + joints.method;
+      found.notes.push_back(
+          fmt::format("{}: beside it lie joints of {}, which are compared, too: seconds since the "
+                      "recording's start, in the "
+                      "calibration's world",
+                      session.string(), names));
+    }
     if (!take.mocap.empty()) {
       take.mapping = arguments.folder / "mapping.json";
       if (!arguments.up_axis.empty()) take.up_axis = arguments.up_axis == "z" ? UpAxis::z : UpAxis::y;

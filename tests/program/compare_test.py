@@ -2,7 +2,10 @@
 """Joints that other methods and systems gave: `trilat compare`, and takes that bring joints."""
 import json
 import math
+import os
+import re
 import shutil
+import subprocess
 import sys
 import time
 import unittest
@@ -220,6 +223,32 @@ class Brought(ScratchTest):
         self.assertAlmostEqual(cells["a"]["mae_m"], 0.02, delta=1e-9)
         self.assertAlmostEqual(cells["b"]["mae_m"], 0.03, delta=1e-9)
         self.assertIn("found", trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results", "--json"))
+
+    def test_init_finds_the_joints_beside_a_motion_capture(self):
+        own, source = self.folder / "own/p01", made() / "campaign/p01-walking"
+        own.mkdir(parents=True)
+        for name in ("session.h5", "mocap.csv"):
+            shutil.copy(source / name, own)
+        shutil.copy(made() / "campaign/calibration.json", self.folder / "own")
+        mapping = json.loads((made() / "campaign/campaign.json").read_text())["takes"][0]["mapping"]
+        shutil.copy(made() / "campaign" / mapping, self.folder / "own/mapping.json")
+        time_s, truth = walk()
+        library.write_joints(own / "pose2sim.trc", time_s, {"LKnee": truth["knee_left"], "LAnkle": truth["ankle_left"]})
+        said = trilat("init", self.folder / "own")
+        self.assertIn("beside it lie joints of pose2sim", said)
+        take = json.loads((self.folder / "own/campaign.json").read_text())["takes"][0]
+        self.assertEqual(take["joints"], [{"method": "pose2sim", "file": "p01/pose2sim.trc",
+                                           "mapping": {"knee_left": ["marker:LKnee"], "ankle_left": ["marker:LAnkle"]}}])
+
+    def test_the_documents_example_runs(self):
+        page = (SOURCE / "docs/how-to/own_method.md").read_text(encoding="utf-8")
+        example = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+        shutil.copytree(made() / "campaign", self.folder / "camp")
+        shutil.copy(made() / "study.json", self.folder / "study.json")
+        done = subprocess.run([sys.executable, "-c", example], cwd=self.folder, capture_output=True, text=True, check=False,
+                              env={**os.environ, "PYTHONPATH": str(SOURCE / "python")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("mine", done.stdout)
 
     def test_a_method_of_one_name_twice_is_refused(self):
         time_s, truth = walk()
