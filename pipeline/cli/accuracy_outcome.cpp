@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -95,9 +96,13 @@ std::string table_text(const ResultsSummary& s) {
   const std::size_t rows_left = rows.size() - shown, groups_left = rows[0].size() - widths.size();
   if (rows_left > 0) text += fmt::format("{} rows more: --tables\n", rows_left);
   if (groups_left > 0) text += fmt::format("{} more of the joint groups: --tables\n", groups_left);
+  std::string legend = "±: half of the 95 % interval; –: no answer";
+  if (silent) legend += "; answered: of what is asked, blank where all is";
   if (compared)
-    text += fmt::format(
-        "\ndifference: from {}, of the average, where both answer; ≈ not told apart at 95 %\n", s.reference);
+    legend += fmt::format("; difference: from {}, of the average, where both answer; ≈: cannot be told apart",
+                          s.reference);
+  text += "\n";
+  for (const std::string& line : lines_of(legend, kWidest)) text += line + "\n";
   return text;
 }
 
@@ -112,11 +117,15 @@ std::string outcome_text(const ResultsSummary& s) {
   };
   for (const std::string& finding : accuracy_findings(s)) add(finding);
   for (const std::string& warning : accuracy_warnings(s, false)) add("warning: " + warning);
-  return fmt::format(
-             "{}, {}: {} of {} takes, {} participants\nmean error in cm{} (alignment {}), ± half of the 95 % "
-             "interval\n\n",
-             s.campaign, s.simulated ? "simulated" : "recorded", s.takes - s.takes_failed, s.takes,
-             s.participants, s.left_out() ? " against the sensor left out" : "", s.alignments.front()) +
+  std::set<std::string> noted;
+  for (const TakeNote& note : s.notes)
+    if (!note.failed && !note.take.empty()) noted.insert(note.take);
+  const std::string notes =
+      noted.empty() ? "" : fmt::format("; {} take{} with notes", noted.size(), noted.size() == 1 ? "" : "s");
+  return fmt::format("{}, {}: {} of {} takes, {} participants{}\nmean error in cm{} (alignment {})\n\n",
+                     s.campaign, s.simulated ? "simulated" : "recorded", s.takes - s.takes_failed, s.takes,
+                     s.participants, notes, s.left_out() ? " against the sensor left out" : "",
+                     s.alignments.front()) +
          table_text(s) + "\n" + (s.left_out() ? truth_note(s) + "\n" : "") + words + "\n";
 }
 

@@ -12,6 +12,7 @@
 #include "datasets/base/error.h"
 #include "datasets/results/summary.h"
 #include "pipeline/claims/judge_claims.h"
+#include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/built_in.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
@@ -142,8 +143,10 @@ class Reproduction {
       fmt::print("{}\n", json_text(json, 2));
       return;
     }
-    fmt::print("\n{}\nresults:  {}\ncampaign: {}\npage:     {}\n", headline_text(report_.headline),
-               folder_.string(), campaign.string(), page.string());
+    const std::string found =
+        is_demo() ? outcome_text(read_summary(results().front())) : headline_text(report_.headline);
+    fmt::print("\n{}\nresults:  {}\ncampaign: {}\npage:     {}\n", found, folder_.string(), campaign.string(),
+               page.string());
     if (is_demo())
       fmt::print("next: change {} and trilat run {} --campaign {} -o {}\n", own_study().string(),
                  own_study().string(), campaign.string(), (folder_ / "own").string());

@@ -11,6 +11,12 @@ if(TRILAT_HELP2MAN)
   install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endif()
 
+# The keys of all documents, as the program reads them.
+set(keys ${PROJECT_BINARY_DIR}/keys.md)
+add_custom_command(OUTPUT ${keys} DEPENDS trilat COMMAND trilat schema --markdown > ${keys})
+add_custom_target(trilat_keys ALL DEPENDS ${keys})
+install(FILES ${keys} DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs/reference)
+
 install(TARGETS trilat trilat-agent RUNTIME)
 install(DIRECTORY pipeline/studies DESTINATION ${CMAKE_INSTALL_DATADIR}/trilat)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -157,7 +157,7 @@ sys.exit(code)
 
     def test_a_demo_makes_a_page_once_and_again(self):
         for _ in range(2):
-            self.assertIn("Simulated data.", trilat("demo", "-o", self.folder / "demo"))
+            self.assertIn("simulated: 6 of 6 takes, 6 participants", trilat("demo", "-o", self.folder / "demo"))
         self.assertTrue((self.folder / "demo/report/report.html").exists())
 
     def test_a_recording_walks_to_a_calibration_and_to_a_table(self):

@@ -87,9 +87,12 @@ std::string difference_text(const ResultsSummary& s, const std::string& conditio
   for (const DifferenceCell& d : s.differences)
     if (d.condition == condition && d.group == average_group(s) && d.alignment == alignment &&
         d.method == method && !std::isnan(d.percent_low))
-      return d.significant() ? fmt::format("{:+.0f} % ({:+.0f} to {:+.0f}) against `{}`",
-                                           d.percent_of_reference, d.percent_low, d.percent_high, s.reference)
-                             : fmt::format("not told apart from `{}`", s.reference);
+      return d.significant()
+                 ? fmt::format("{:.0f} % ({:.0f} to {:.0f}) {} than `{}`", std::abs(d.percent_of_reference),
+                               std::min(std::abs(d.percent_low), std::abs(d.percent_high)),
+                               std::max(std::abs(d.percent_low), std::abs(d.percent_high)),
+                               d.percent_of_reference < 0.0 ? "less" : "more", s.reference)
+                 : fmt::format("not to be told apart from `{}`", s.reference);
   return {};
 }
 
@@ -103,13 +106,14 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
     const SummaryCell* cell =
         best ? find_cell(s, best->method, condition, average_group(s), s.alignments.front()) : nullptr;
     if (!cell) continue;
-    std::string text =
-        fmt::format("**{}**, {}: of {} methods `{}` {} least, by {}", condition,
-                    s.simulated ? "simulated" : "recorded", s.methods.size(), best->method,
-                    s.left_out() ? "differs from the sensor left out" : "errs", error_text(*cell));
+    std::string text = fmt::format("**{}**, {}: `{}` has the smallest {} of {} methods, {}", condition,
+                                   s.simulated ? "simulated" : "recorded", best->method,
+                                   s.left_out() ? "difference from the sensor left out" : "error",
+                                   s.methods.size(), error_text(*cell));
     if (s.methods.size() == 1)
-      text = fmt::format("**{}**, {}: `{}` errs by {}", condition, s.simulated ? "simulated" : "recorded",
-                         best->method, error_text(*cell));
+      text = fmt::format("**{}**, {}: `{}` has a mean {} of {}", condition,
+                         s.simulated ? "simulated" : "recorded", best->method,
+                         s.left_out() ? "difference from the sensor left out" : "error", error_text(*cell));
     if (cell->coverage() < kWhole)
       text += fmt::format(" on the {:.1f} % that it answers", 100.0 * cell->coverage());
     if (const std::string against = difference_text(s, condition, s.alignments.front(), best->method);
@@ -118,7 +122,7 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
     std::vector<std::string> named = best->like_best;
     if (named.size() > kMostNamed) named.resize(kMostNamed);
     if (const std::size_t alike = best->like_best.size(); alike > 0)
-      text += fmt::format("; {} other{} not told apart from it ({}`{}`)", alike, alike == 1 ? " is" : "s are",
+      text += fmt::format("; {} other{} cannot be told apart from it ({}`{}`)", alike, alike == 1 ? "" : "s",
                           alike > kMostNamed ? "among them " : "", fmt::join(named, "`, `"));
     findings.push_back(text + ".");
   }

@@ -31,7 +31,7 @@ void add_take_notes(const ResultsSummary& summary, Table& table);
 
 // "4.9 cm (4.7 to 5.1)", without brackets where there is no interval.
 std::string error_text(const SummaryCell& cell);
-// "-57 % (-67 to -47) against `nonlinear`" of the average, or that it is not told apart; empty for the
+// "57 % (47 to 67) less than `nonlinear`" of the average, or that both cannot be told apart; empty for the
 // reference itself and where there is no interval.
 std::string difference_text(const ResultsSummary& summary, const std::string& condition,
                             const std::string& alignment, const std::string& method);
