@@ -16,7 +16,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFirstFigures = 3;
+constexpr std::ptrdiff_t kFirstFigures = 3;
 
 // Beside the paper its own tables answer.
 void put_the_paper_first(std::vector<Table>& tables) {
@@ -33,8 +33,10 @@ void put_the_paper_first(std::vector<Table>& tables) {
 // What needs the samples.
 void add_takes(Chapter& chapter) {
   const ResultsSummary summary = read_summary(chapter.results);
+  auto first =
+      std::ranges::count_if(chapter.figures, [](const DrawnFigure& drawn) { return drawn.figure.is_first; });
   for (Figure& figure : trajectory_figures(chapter.results, summary)) {
-    figure.is_first = chapter.figures.size() < kFirstFigures;
+    figure.is_first = first++ < kFirstFigures;
     chapter.figures.push_back({std::move(figure), {}, {}});
   }
   chapter.replays = packed_replays(chapter.results, summary);
