@@ -33,7 +33,7 @@ Eigen::Matrix<double, 6, 6> read_covariance(JsonObject& entry) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(covariance, Eigen::EigenvaluesOnly);
   if (!(eigen.eigenvalues()[0] >= -1e-9 * std::max(eigen.eigenvalues()[5], 0.0)) ||
       eigen.eigenvalues()[5] < 0.0)
-    entry.refuse("covariance", "is no covariance: its lower triangle gives a negative variance");
+    entry.refuse("covariance", "is not a covariance: its lower triangle gives a negative variance");
   return covariance;
 }
 
@@ -149,7 +149,7 @@ Calibration parse_calibration(const Json& json, const std::string& place) {
   std::set<std::string> names;
   for (JsonObject& entry : object.objects("sensors")) {
     calibration.sensors.push_back(read_pose(entry));
-    if (!names.insert(calibration.sensors.back().name).second) entry.refuse("name", "stands here twice");
+    if (!names.insert(calibration.sensors.back().name).second) entry.refuse("name", "is here twice");
   }
   if (calibration.sensors.empty()) object.refuse("sensors", "must name at least one sensor");
   if (calibration.method != kWithoutTranslation) check_places(object, calibration.sensors);

@@ -66,7 +66,8 @@ class IntrinsicsFile {
       word = first == std::string::npos ? "" : word.substr(first, word.find_last_not_of(" \t\r") + 1 - first);
       char* rest = nullptr;
       values.push_back(word == ".Nan" ? std::nan("") : std::strtod(word.c_str(), &rest));
-      if (word.empty() || (rest && *rest)) refuse(fmt::format("{} holds something that is no number", name));
+      if (word.empty() || (rest && *rest))
+        refuse(fmt::format("{} holds something that is not a number", name));
     }
     return values;
   }

@@ -336,7 +336,7 @@ H5File H5File::open(const std::filesystem::path& path) {
   prepare_library();
   if (!std::filesystem::exists(path)) throw InputError(path.string(), "does not exist");
   if (std::filesystem::is_directory(path)) throw InputError(path.string(), "is a folder; a file is needed");
-  if (!std::filesystem::is_regular_file(path)) throw InputError(path.string(), "is no file");
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path.string(), "is not a file");
   H5File file;
   file.place_ = path.string() + ":";
   hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

@@ -144,7 +144,7 @@ std::int64_t ColumnRows::read_index(std::string_view line) const {
   const auto cell = line.substr(
       0, static_cast<std::size_t>(end_of_cell(line.data(), line.data() + line.size()) - line.data()));
   std::int64_t index = 0;
-  if (!parse_integer(cell, index)) refuse_cell(0, cell, "is no frame number");
+  if (!parse_integer(cell, index)) refuse_cell(0, cell, "is not a frame number");
   if (std::abs(index) > kHighestFrame) refuse_cell(0, cell, "is too large for a frame number");
   return index;
 }
@@ -176,7 +176,7 @@ const char* ColumnRows::read_number(const char* p, const char* end, std::size_t 
       ++not_finite_cells_;
       break;
     case CellKind::unreadable:
-      refuse_cell(column, cell, "is no number");
+      refuse_cell(column, cell, "is not a number");
   }
   return behind;
 }
@@ -184,7 +184,7 @@ const char* ColumnRows::read_number(const char* p, const char* end, std::size_t 
 bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
   const double printed_s = frame.printed_time_s;
   if (std::abs(printed_s) > kLatest_s)
-    refuse_cell(layout_.time_column, std::to_string(printed_s), "is no time of a take");
+    refuse_cell(layout_.time_column, std::to_string(printed_s), "is not a time within a take");
   if (rate_uhz_ == 0 && std::isnan(printed_s))
     throw InputError(lines_.place(),
                      "the row has no time, and the header states no frame rate to make it from");

@@ -69,8 +69,8 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
       double value = kMissing;
       const CellKind kind = parse_cell(cells[places[c]], value);
       if (kind == CellKind::unreadable)
-        throw InputError(lines.place(),
-                         fmt::format("{} is \"{}\", which is no number", kJointColumns[c], cells[places[c]]));
+        throw InputError(lines.place(), fmt::format("{} is \"{}\", which is not a number", kJointColumns[c],
+                                                    cells[places[c]]));
       return kind == CellKind::number ? value : kMissing;
     };
     const double time_s = number(0);

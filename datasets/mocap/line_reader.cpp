@@ -51,7 +51,7 @@ void LineReader::refill() {
   }
   if (end_ > kLongestLine) {
     ++line_;
-    throw InputError(place(), "is a line longer than 16 MiB; this is no text file of rows");
+    throw InputError(place(), "is a line longer than 16 MiB; this is not a text file of rows");
   }
   if (buffer_.size() - end_ < block_bytes_)
     buffer_.resize(std::max(end_ + block_bytes_, std::min(2 * end_, kLongestLine)));

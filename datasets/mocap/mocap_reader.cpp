@@ -51,7 +51,8 @@ bool is_numbers_only(std::string_view line) {
     throw InputError(place, "the text is UTF-16; save the file as UTF-8");
   throw InputError(
       place,
-      "this is no motion capture that can be read; known are Motive's CSV, which begins with \"Format "
+      "this is not a motion capture file that can be read; known are Motive's CSV, which begins with "
+      "\"Format "
       "Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\") and TRC (\"PathFileType\")");
 }
 

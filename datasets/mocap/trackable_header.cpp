@@ -177,7 +177,7 @@ std::size_t RowCells::left() const {
 
 void RowCells::refuse(std::string_view cell, const char* what) const {
   throw InputError(place_, "column " + std::to_string(column_) + ": \"" + std::string(cell.substr(0, 40)) +
-                               "\" is no " + what);
+                               "\" is not a " + what);
 }
 
 }  // namespace trilat

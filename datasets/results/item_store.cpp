@@ -55,7 +55,7 @@ Json read_manifest(const fs::path& results) {
 
 void StoredItem::check(const JsonObject& object) const {
   for (const auto& [name, size] : bytes)
-    if (!is_plain_name(name)) object.refuse_below("files/" + name, "is no name of a file");
+    if (!is_plain_name(name)) object.refuse_below("files/" + name, "is not a file name");
 }
 
 std::optional<StoredItem> ItemStore::find(const std::string& key) const {

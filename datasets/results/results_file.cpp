@@ -32,7 +32,7 @@ std::string what_it_is_instead(const std::filesystem::path& folder) {
     return "is a file; a results folder is meant, which `trilat run` makes";
   if (const std::string unfinished = unfinished_results(folder); !unfinished.empty()) return unfinished;
   if (!fs::exists(folder)) return "does not exist; `trilat run` makes results folders";
-  return "holds no summary.json, so it is no results folder, which `trilat run` makes";
+  return "holds no summary.json, so it is not a results folder, which `trilat run` makes";
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ std::vector<double> pose_numbers(const std::vector<RigidTransform>& poses) {
 RigidTransform pose_of(const double* n, const std::string& place) {
   RigidTransform pose{{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}};
   const bool unit = std::abs(pose.rotation.norm() - 1.0) < 1e-6;
-  if (!unit || !pose.translation_m.allFinite()) throw InputError(place, "world_from_sensor is no pose");
+  if (!unit || !pose.translation_m.allFinite()) throw InputError(place, "world_from_sensor is not a pose");
   return pose;
 }
 

@@ -216,7 +216,7 @@ ActivitySpec read_activity(JsonObject& object) {
       const auto joint = joint_from_name(name);
       if (!joint)
         object.refuse("marker_joints",
-                      "names \"" + name + "\", which is no joint; " + known_names(name, joint_names()));
+                      "names \"" + name + "\", which is not a joint; " + known_names(name, joint_names()));
       activity.marker_joints.push_back(*joint);
     }
     if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");
@@ -279,7 +279,7 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("depth") && !spec.depth.takes && !spec.wand)
     object.refuse("depth", "says nothing without \"takes\": true in it or \"wand\" beside it");
   if (object.has("room") && !spec.depth.takes && !spec.wand)
-    object.refuse("room", "is seen by nobody without depth: \"takes\": true in \"depth\", or \"wand\"");
+    object.refuse("room", "is not visible without depth: \"takes\": true in \"depth\", or \"wand\"");
   object.about({{"stature_m", "of the persons"},
                 {"recorded", "an OptiTrack take that is watched instead of generated persons"},
                 {"activities", "of every person; without it walking"},

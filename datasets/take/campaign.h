@@ -21,7 +21,7 @@ enum class UpAxis : std::uint8_t { automatic, y, z };
 inline const std::array<std::string, 3> kUpAxisNames{"auto", "y", "z"};
 // Why a take fails whose up axis is neither stated nor clear.
 inline constexpr const char* kUnclearUp =
-    "does not show which axis is up: nobody stands along y or z in it; state \"up_axis\": \"y\" or \"z\"";
+    "does not show which axis is up: no person stands along y or z in it; state \"up_axis\": \"y\" or \"z\"";
 
 // A point of a right-handed world with z up, in one with y up: a quarter turn about x.
 inline Eigen::Vector3d y_up_from_z_up(const Eigen::Vector3d& point) {

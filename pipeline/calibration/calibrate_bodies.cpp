@@ -120,7 +120,7 @@ void check_placement(const RigStart& start, const SessionReader& session) {
         if (start.placement.size() == 1)
           throw InputError(place,
                            "has one sensor; poses need two or more that track a person at the same time");
-        throw InputError(place, who + "tracks nobody at a time when another sensor does");
+        throw InputError(place, who + "tracks no person at a time when another sensor does");
       case SensorPlacement::no_common_view:
         throw InputError(
             place,

@@ -99,8 +99,8 @@ std::string table_text(const ResultsSummary& s) {
   std::string legend = "±: half of the 95 % interval; –: no answer";
   if (silent) legend += "; answered: of what is asked, blank where all is";
   if (compared)
-    legend += fmt::format("; difference: from {}, of the average, where both answer; ≈: cannot be told apart",
-                          s.reference);
+    legend += fmt::format(
+        "; difference: from {}, of the average, where both answer; ≈: cannot be distinguished", s.reference);
   text += "\n";
   for (const std::string& line : lines_of(legend, kWidest)) text += line + "\n";
   return text;

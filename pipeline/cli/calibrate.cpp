@@ -241,7 +241,7 @@ int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
   check_output_file({arguments.output, inputs_of(arguments), arguments.force},
                     is_calibration_of(arguments.output, inputs_of(arguments)),
-                    "exists and is no calibration of these recordings");
+                    "exists and is not a calibration of these recordings");
   Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);

@@ -117,7 +117,7 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
   if (all.size() > 1) std::erase_if(all, [](const fs::path& file) { return file.extension() == ".trc"; });
   if (all.size() == 1 && std::ranges::count(sessions, session.parent_path(), &fs::path::parent_path) == 1)
     return all.front();
-  found.notes.push_back(fmt::format("{}: which motion capture is its own cannot be told; call it {}{}",
+  found.notes.push_back(fmt::format("{}: which motion capture belongs to it is not clear; call it {}{}",
                                     session.string(), session.stem().string(),
                                     all.front().extension().string()));
   return {};
@@ -300,7 +300,7 @@ int print_mapping(const std::filesystem::path& file) {
   std::vector<std::string> left = joint_names();
   for (const auto& entry : mapping.joints) std::erase(left, name_of(entry.joint));
   fmt::print(stderr,
-             "{} joints by their names; look at them: a bone stands at its upper joint, a marker lies on the "
+             "{} joints by their names; look at them: a bone gives its upper joint, a marker lies on the "
              "skin. Without a name that is known: {}\n",
              mapping.joints.size(), listed(left));
   return kDone;
@@ -349,7 +349,7 @@ int init(const InitArguments& given) {
                                   : fmt::format("; {} {}", take.mocap.filename().string(), start));
   if (!found.mapping.joints.empty()) {
     fmt::print(
-        "mapping.json: {} joints by the names of the first export; look at it: a bone stands at its upper "
+        "mapping.json: {} joints by the names of the first export; look at it: a bone gives its upper "
         "joint, a marker lies on the skin\n",
         found.mapping.joints.size());
   }
@@ -380,7 +380,7 @@ void add_init(CLI::App& app, int& code) {
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   verb.add_option("--up-axis", a.up_axis,
-                  "of the motion capture's world, where nobody stands upright to show it")
+                  "of the motion capture's world, where no person stands upright to show it")
       ->check(CLI::IsMember({"y", "z"}));
   verb.add_option("--propose-mapping", a.propose_mapping,
                   "of this motion capture alone: print a mapping.json by the names of bones and markers");

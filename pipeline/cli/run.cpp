@@ -79,7 +79,7 @@ Json read_study(const std::filesystem::path& study) {
   }
   if (std::ranges::find(names, study.string()) == names.end())
     throw InputError(study.string(),
-                     "is no file and no study that is built in; " + known_names(study.string(), names));
+                     "is neither a file nor a built-in study; " + known_names(study.string(), names));
   return built_in_study(study.string());
 }
 

@@ -83,8 +83,7 @@ void add_json(CLI::App& verb, bool& json) {
 }
 
 void add_force(CLI::App& verb, bool& force) {
-  verb.add_flag("--force", force,
-                "replace what stands under the output's name, whoever wrote it; never an input");
+  verb.add_flag("--force", force, "replace whatever has the output's name, whoever wrote it; never an input");
 }
 
 void add_threads(CLI::App& verb, int& threads) {

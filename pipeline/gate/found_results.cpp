@@ -105,7 +105,7 @@ std::string shortened(const Json& value) {
 ResultsSet find_results(const fs::path& given) {
   const fs::path folder = given.has_filename() ? given : given.parent_path();
   if (!fs::is_directory(folder))
-    throw InputError(folder.string(), "is no folder; results, or a folder that holds several, are needed");
+    throw InputError(folder.string(), "is not a folder; give results, or a folder that holds several");
   ResultsSet set;
   if (is_results(folder)) {
     set.single = true;

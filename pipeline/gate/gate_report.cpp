@@ -128,7 +128,7 @@ std::string headline_of(const GateReport& report) {
     case Verdict::quiet:
       return "QUIET: nothing is worse than the baseline";
     case Verdict::not_judged:
-      return fmt::format("NOT JUDGED: {}, of which nobody can say whether it is worse than the baseline",
+      return fmt::format("NOT JUDGED: {}; whether it is worse than the baseline cannot be decided",
                          not_judged);
     case Verdict::regression:
       break;

@@ -55,7 +55,7 @@ void read_networks(JsonObject& object, std::vector<NetworkSpec>& networks) {
   for (JsonObject& entry : object.objects("networks")) {
     NetworkSpec network = read_network(entry);
     for (const NetworkSpec& other : networks)
-      if (other.name == network.name) entry.refuse("name", "stands there twice");
+      if (other.name == network.name) entry.refuse("name", "is there twice");
     networks.push_back(std::move(network));
   }
   if (networks.empty()) object.refuse("networks", "must hold at least one");
@@ -70,7 +70,7 @@ void read_methods(JsonObject& object, std::vector<MethodSpec>& methods) {
     if (method.occlusion != OcclusionRule::off)
       entry.refuse("occlusion", "is of no use: occlusion is not looked for in this kind of study");
     for (const MethodSpec& other : methods)
-      if (other.name == method.name) entry.refuse("name", "stands there twice");
+      if (other.name == method.name) entry.refuse("name", "is there twice");
     methods.push_back(std::move(method));
   }
 }

@@ -133,7 +133,7 @@ void read_patches(JsonObject& object, VariationsSpec& spec) {
   std::vector<std::string> names;
   for (JsonObject& entry : object.objects("patches")) {
     const std::string name = entry.text("name");
-    if (std::ranges::find(names, name) != names.end()) entry.refuse("name", "stands there twice");
+    if (std::ranges::find(names, name) != names.end()) entry.refuse("name", "is there twice");
     names.push_back(name);
     const Json& patch = entry.value("patch");
     if (!patch.is_object()) entry.refuse("patch", "must be an object");
@@ -278,7 +278,7 @@ Json simulation_json_at(const VariationsSpec& spec, std::size_t point) {
       if (range.whole) setting = static_cast<std::uint64_t>(value);
     } catch (const Json::exception&) {
       throw InputError(spec.place + " " + range.setting,
-                       "is no setting of simulation.json that could be varied");
+                       "is not a setting of simulation.json that can be varied");
     }
   }
   return json;

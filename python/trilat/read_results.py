@@ -217,7 +217,7 @@ def _document(path: Path) -> dict:
     except OSError as error:
         raise InputError(path, "cannot be read; a folder that `trilat run` wrote is expected") from error
     except ValueError as error:
-        raise InputError(path, f"is no JSON: {error}") from error
+        raise InputError(path, f"is not JSON: {error}") from error
 
 
 def _columns(group: h5py.Group, part: str) -> dict[str, np.ndarray]:

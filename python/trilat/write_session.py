@@ -90,7 +90,7 @@ def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[st
     if (table["tracking_state"] > 2).any():
         raise InputError(f"sensor {name}", "tracking_state goes from 0 to 2")
     if not np.isfinite(table["position_m"][table["tracking_state"] > 0]).all():
-        raise InputError(f"sensor {name}", "position_m has a joint that is no number; call it not tracked (state 0)")
+        raise InputError(f"sensor {name}", "position_m has a joint that is not a number; call it not tracked (state 0)")
     frames = {"sequence": column(s.sequence, np.arange(len(ticks), dtype=np.int64), "sequence"), "device_ticks": ticks,
               "arrival_ns": column(s.arrival_ns, ticks * s.tick_ns, "arrival_ns"),
               "floor_plane": column(s.floor_plane, zeros((len(ticks), 4), np.float32), "floor_plane"),

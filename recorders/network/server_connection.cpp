@@ -87,7 +87,8 @@ void serve_hello(ServerState& state, MessageLink& link, const HelloMessage& hell
     return see_off(link, RefusalMessage{"this agent does not take part", true});
   }
   if (hello.recording != 0 && hello.recording != state.recording) {
-    state.refusals.add(from + ": agent \"" + hello.agent + "\" comes from another recording; it is told so");
+    state.refusals.add(from + ": agent \"" + hello.agent +
+                       "\" comes from another recording and gets that answer");
     return see_off(link, WelcomeMessage{state.recording, 0});
   }
   const auto admitted = state.book.admit(hello, link.peer_name());

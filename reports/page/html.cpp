@@ -60,7 +60,7 @@ std::string cell_html(const TableColumn& column, const TableValue& value) {
   std::string html = is_verdict ? verdict_badge(text) : html_text(text);
   if (value.mark == TableValue::Mark::best) html = "<strong>" + html + "</strong>";
   if (value.mark == TableValue::Mark::like_best)
-    html += " <span title=\"not told apart from the best\">≈</span>";
+    html += " <span title=\"cannot be distinguished from the best\">≈</span>";
   if (!interval.empty()) html += " <small>" + interval + "</small>";
   if (!value.beside.empty()) html += " <small>" + html_text(value.beside) + "</small>";
   return html;

@@ -119,10 +119,10 @@ TEST_F(SpoiltCalibration, TwoSensorsInOnePlaceAreNamed) {
 
 TEST_F(SpoiltCalibration, ACovarianceMustBeOne) {
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][0] = -1e-6; }),
-              HasSubstr("/sensors/0/covariance: is no covariance"));
+              HasSubstr("/sensors/0/covariance: is not a covariance"));
   // The second row's off-diagonal beyond what its variances allow: a correlation above one.
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][1] = 1.0; }),
-              HasSubstr("/sensors/0/covariance: is no covariance"));
+              HasSubstr("/sensors/0/covariance: is not a covariance"));
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"].erase(20); }),
               HasSubstr("/sensors/0/covariance: must be an array of 21 numbers"));
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][3] = nullptr; }),

@@ -192,7 +192,7 @@ TEST(StoredTake, AMatrixThatIsNoPoseIsRefused) {
   replay.world_from_sensor[0].rotation.coeffs().setZero();
   write_all(folder / "take.h5", {0}, small_table(), replay);
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "take.h5").read_replay(); }),
-              HasSubstr("world_from_sensor is no pose"));
+              HasSubstr("world_from_sensor is not a pose"));
 }
 
 TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {

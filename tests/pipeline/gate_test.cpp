@@ -208,7 +208,7 @@ TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
                  "walks: is unfinished: 0 of 10 items are there");
   std::filesystem::create_directories(nights.folder / "empty");
   expect_refused(refusal((nights.folder / "empty").string()), "holds no results");
-  expect_refused(refusal((nights.folder / "nowhere").string()), "is no folder");
+  expect_refused(refusal((nights.folder / "nowhere").string()), "is not a folder");
   Json summary = read_json(nights.folder / "now" / "summary.json");
   Json other = summary;
   other["version"] = 99;

@@ -88,7 +88,7 @@ TEST(Nightly, ALostBaselineIsNotTakenForAFirstNight) {
     write_file(checkout.out / left, "");
     const Ended ended = checkout.night();
     EXPECT_EQ(ended.code, 2) << left;
-    EXPECT_THAT(ended.err, HasSubstr("this is no first night")) << left;
+    EXPECT_THAT(ended.err, HasSubstr("this is not the first night")) << left;
   }
 }
 

@@ -78,8 +78,8 @@ TEST(TakeRays, ATurnedSensorIsFoundAndTakenAway) {
   const std::vector<CorrectionRow> rows = read_beside<TrackingSummary>(folder / "turned")->corrections;
   ASSERT_EQ(rows.size(), calibration.sensors.size());
   EXPECT_NEAR(rows[1].turned_rad, 0.07, 0.02);
-  EXPECT_THAT(turned.notes, Contains(Field(&TakeNote::text, HasSubstr("stands turned by "))));
-  EXPECT_THAT(straight.notes, Not(Contains(Field(&TakeNote::text, HasSubstr("stands turned by ")))));
+  EXPECT_THAT(turned.notes, Contains(Field(&TakeNote::text, HasSubstr("is turned by "))));
+  EXPECT_THAT(straight.notes, Not(Contains(Field(&TakeNote::text, HasSubstr("is turned by ")))));
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ class Compare(ScratchTest):
         shutil.copy(mine, self.folder / "again/mine.csv")
         self.assertIn('is called "mine" as a file before it', self.compared(mine, self.folder / "again/mine.csv", code=2))
         (self.folder / "bad.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1,2,three\n")
-        self.assertIn('bad.csv:2: z_m is "three", which is no number', self.compared(self.folder / "bad.csv", code=2))
+        self.assertIn('bad.csv:2: z_m is "three", which is not a number', self.compared(self.folder / "bad.csv", code=2))
         (self.folder / "short.csv").write_text("time_s,joint,x_m,y_m\n0,head,1,2\n")
         self.assertIn("short.csv:1: has no column z_m", self.compared(self.folder / "short.csv", code=2))
         (self.folder / "far.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1700,2,3\n")

@@ -208,7 +208,7 @@ sys.exit(code)
         calibration = self.folder / "calibration.json"
         trilat("calibrate", first, "--method", "bodies", "-o", calibration)
         trilat("calibrate", first, "--method", "bodies", "-o", calibration)
-        self.assertIn("is no calibration of these recordings", trilat("calibrate", second, "--method", "bodies", "-o", calibration, code=2))
+        self.assertIn("is not a calibration of these recordings", trilat("calibrate", second, "--method", "bodies", "-o", calibration, code=2))
 
     def test_a_misspelled_joint_is_named_before_anything_is_computed(self):
         mapping = json.loads((self.made / "campaign/p01-walking/mapping.json").read_text())

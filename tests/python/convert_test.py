@@ -130,7 +130,7 @@ class ConvertTest(unittest.TestCase):
         (old / "thesis.txt").write_text("ten years of work")
         (camp / "campaign.json").write_text(json.dumps({"format": "trilat.campaign", "takes": [{"id": "a", "session": "a/session.h5"}]}))
         (camp / "notes.txt").write_text("mine")
-        with self.assertRaisesRegex(InputError, "notes.txt: is no file of the campaign"):
+        with self.assertRaisesRegex(InputError, "notes.txt: is not a file of the campaign"):
             refuse_other_files(camp)
         (camp / "notes.txt").unlink()
         refuse_other_files(camp)

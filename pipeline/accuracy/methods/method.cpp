@@ -150,7 +150,7 @@ std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std
   std::vector<std::string> names;
   for (const Method& method : methods) names.push_back(method.spec.name);
   if (const std::string twice = first_repeated(names); !twice.empty())
-    throw InputError("method \"" + twice + '"', "stands twice; give each method its own name");
+    throw InputError("method \"" + twice + '"', "is there twice; give each method its own name");
   return methods;
 }
 

@@ -47,7 +47,7 @@ void check_names(JsonObject& object, const StudySpec& spec) {
   for (const std::string& joint : spec.joints)
     if (!spec.methods.empty() && !joint_from_name(joint))
       object.refuse("joints",
-                    "has \"" + joint + "\", which is no joint; " + known_names(joint, joint_names()));
+                    "has \"" + joint + "\", which is not a joint; " + known_names(joint, joint_names()));
 }
 
 void tell(Settings& s, StudySpec& spec) {
@@ -91,7 +91,7 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   spec.name = object.text("name");
   if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
     spec.campaign = folder / campaign;
-  object.about({{"name", "of the study; stands in its tables"},
+  object.about({{"name", "of the study, printed in its tables"},
                 {"campaign", "folder of takes, relative to this file; `--campaign` goes first"}});
   Settings settings(object);
   tell(settings, spec);

@@ -44,11 +44,11 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   }
   const BestMethod* best = find_best(s, kCondition, group);
   if (best && best->method != "mean" && alignment == s.alignments.front() && cell(best->method))
-    answers.push_back(
-        fmt::format("**`{}`** errs least, by {}{}.", best->method, error_text(*cell(best->method)),
-                    best->like_best.empty()
-                        ? std::string()
-                        : fmt::format("; not told apart from it: `{}`", fmt::join(best->like_best, "`, `"))));
+    answers.push_back(fmt::format(
+        "**`{}`** errs least, by {}{}.", best->method, error_text(*cell(best->method)),
+        best->like_best.empty()
+            ? std::string()
+            : fmt::format("; cannot be distinguished from it: `{}`", fmt::join(best->like_best, "`, `"))));
   return answers;
 }
 

@@ -31,7 +31,7 @@ std::string truth_note(const ResultsSummary& s) {
 }
 
 std::string interval_note(const ResultsSummary& s) {
-  const std::string beside = "Beside a number stands its 95 % interval: Student's t between ";
+  const std::string beside = "Each number is followed by its 95 % interval: Student's t between ";
   if (s.participants >= 3) return beside + "participants.";
   return beside +
          "takes or, of a single take, between its blocks of five seconds. It says how well these takes were "
@@ -92,7 +92,7 @@ std::string difference_text(const ResultsSummary& s, const std::string& conditio
                                std::min(std::abs(d.percent_low), std::abs(d.percent_high)),
                                std::max(std::abs(d.percent_low), std::abs(d.percent_high)),
                                d.percent_of_reference < 0.0 ? "less" : "more", s.reference)
-                 : fmt::format("not to be told apart from `{}`", s.reference);
+                 : fmt::format("not to be distinguished from `{}`", s.reference);
   return {};
 }
 
@@ -122,8 +122,9 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
     std::vector<std::string> named = best->like_best;
     if (named.size() > kMostNamed) named.resize(kMostNamed);
     if (const std::size_t alike = best->like_best.size(); alike > 0)
-      text += fmt::format("; {} other{} cannot be told apart from it ({}`{}`)", alike, alike == 1 ? "" : "s",
-                          alike > kMostNamed ? "among them " : "", fmt::join(named, "`, `"));
+      text +=
+          fmt::format("; {} other{} cannot be distinguished from it ({}`{}`)", alike, alike == 1 ? "" : "s",
+                      alike > kMostNamed ? "among them " : "", fmt::join(named, "`, `"));
     findings.push_back(text + ".");
   }
   return findings;

@@ -139,13 +139,15 @@ std::vector<TakeNote> correction_notes(const PlannedTake& planned, const std::ve
     };
     if (is_beyond(row.turned_low_rad, kNoticedTurn_rad, row.stated_turn_rad))
       note(fmt::format(
-          "{} stands turned by {:.1f} degrees ({:.1f} to {:.1f}) by the bodies; the calibration states {}",
+          "{} is turned by {:.1f} degrees ({:.1f} to {:.1f}) according to the bodies; the calibration states "
+          "{}",
           row.sensor, row.turned_rad / kRadPerDegree, row.turned_low_rad / kRadPerDegree,
           row.turned_high_rad / kRadPerDegree, said(row.stated_turn_rad / kRadPerDegree, "degrees")));
     if (is_beyond(row.shifted_low_m, kNoticed_m, row.stated_shift_m))
-      note(fmt::format("{} stands {:.1f} cm away ({:.1f} to {:.1f}) by the bodies; the calibration states {}",
-                       row.sensor, 100.0 * row.shifted_m, 100.0 * row.shifted_low_m,
-                       100.0 * row.shifted_high_m, said(100.0 * row.stated_shift_m, "cm")));
+      note(fmt::format(
+          "{} is {:.1f} cm away ({:.1f} to {:.1f}) according to the bodies; the calibration states {}",
+          row.sensor, 100.0 * row.shifted_m, 100.0 * row.shifted_low_m, 100.0 * row.shifted_high_m,
+          said(100.0 * row.stated_shift_m, "cm")));
     const double too_long_m = row.too_long_m > 0.0 ? row.too_long_low_m : -row.too_long_high_m;
     if (is_beyond(too_long_m, kNoticed_m, 0.0))
       note(fmt::format("{} measures {:.1f} cm too {} ({:.1f} to {:.1f}) by the bodies", row.sensor,

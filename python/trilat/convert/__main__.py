@@ -14,7 +14,7 @@ FORMATS = {"azure-kinect": azure_kinect, "c3d": c3d, "keraal": keraal, "kimore":
 def arguments_of(words: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python3 -m trilat.convert", description="Converts other people's recordings to a session.",
-        epilog="What a format does not say is assumed as datasets/FORMATS.md has it, and stands in the session's note. Exit codes: "
+        epilog="What a format does not say is assumed as datasets/FORMATS.md has it, and is written in the session's note. Exit codes: "
                "0 done; 1 done, but rows were left out, and it says which; 2 the input cannot be used.")
     formats = parser.add_subparsers(dest="format", required=True, metavar="FORMAT")
     for name, module in FORMATS.items():
@@ -23,7 +23,7 @@ def arguments_of(words: list[str]) -> argparse.Namespace:
         verb.add_argument("-o", "--output", type=Path, required=True,
                           help="session.h5; of ui-prmd, keraal and kinectmultitrack a folder; of c3d a CSV")
         verb.add_argument("--rate-hz", type=float, help="frames a second, where the files have no time stamps")
-        verb.add_argument("--force", action="store_true", help="replace what stands under the output's name")
+        verb.add_argument("--force", action="store_true", help="replace whatever has the output's name")
         verb.add_argument("--json", action="store_true", help="one JSON document on stdout, and nothing else there")
         if hasattr(module, "add_options"):
             module.add_options(verb)

@@ -160,11 +160,11 @@ def refuse_other_files(folder: Path) -> None:
         takes = [take for take in campaign["takes"] if campaign["format"] == "trilat.campaign"]
         known = {folder / str(take[key]) for take in takes for key in ("session", "calibration", "mocap", "mapping") if key in take}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(folder, "is there already and is no campaign; take another name") from error
+        raise InputError(folder, "is there already and is not a campaign; take another name") from error
     known.add(folder / "campaign.json")
     for path in sorted(folder.rglob("*")):
         if not path.is_dir() and path not in known:
-            raise InputError(path, f"is no file of the campaign {folder}, which is replaced as a whole; move it, or take another name")
+            raise InputError(path, f"is not a file of the campaign {folder}, which is replaced as a whole; move it, or take another name")
 
 
 def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], left_out: list[str], note: str,

@@ -40,7 +40,7 @@ def read_file(path: Path, camera: str, rate_hz: float) -> Recording:
     try:
         frames, at = integer(lines[0][1].strip(), "the number of frames"), 1
     except TornRow as torn:
-        raise InputError(lines[0][0], f"{torn}; this is no .skeleton file") from torn
+        raise InputError(lines[0][0], f"{torn}; this is not a .skeleton file") from torn
     for frame in range(frames):
         begin, torn, bodies = at, None, []
         count = int(lines[at][1]) if lines[at][1].strip().isdigit() else -1

@@ -54,10 +54,10 @@ def numbers(cells: Iterable[str], what: str) -> np.ndarray:
     cells = list(cells)
     try:
         if any("_" in cell for cell in cells):
-            raise ValueError("1_0 is no number in a data file")
+            raise ValueError("1_0 is not a number in a data file")
         values = np.array(cells, float)
     except ValueError as error:
-        raise TornRow(f"has a cell that is no number where {what} should be: {error}") from error
+        raise TornRow(f"has a cell that is not a number where {what} should be: {error}") from error
     if not np.isfinite(values).all():
         raise TornRow(f'has "{cells[int(np.argmin(np.isfinite(values)))]}" where {what} should be')
     return values
@@ -67,7 +67,7 @@ def integer(cell: str, what: str) -> int:
     """The cell as a whole number."""
     try:
         if "_" in cell:
-            raise ValueError("1_0 is no number in a data file")
+            raise ValueError("1_0 is not a number in a data file")
         return int(cell)
     except ValueError as error:
         raise TornRow(f'has "{cell[:24]}" where {what} should be') from error

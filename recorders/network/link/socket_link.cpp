@@ -88,7 +88,8 @@ void look_up(const SocketAddress& address, bool to_listen, Addresses& found) {
                                  &found.first);
   if (code == EAI_AGAIN)
     throw LinkLost(std::string("the name cannot be looked up now: ") + gai_strerror(code));
-  if (code != 0) throw InputError(text_of(address), std::string("is no address: ") + ::gai_strerror(code));
+  if (code != 0)
+    throw InputError(text_of(address), std::string("is not an address: ") + ::gai_strerror(code));
 }
 
 int open_socket(const addrinfo& info) {

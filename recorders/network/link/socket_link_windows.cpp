@@ -130,7 +130,7 @@ std::unique_ptr<ByteLink> connect_socket(const SocketAddress& address, std::chro
   const int code =
       ::getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found.first);
   if (code == WSATRY_AGAIN) throw LinkLost("the name cannot be looked up now: " + reason_of(code));
-  if (code != 0) throw InputError(text_of(address), "is no address: " + reason_of(code));
+  if (code != 0) throw InputError(text_of(address), "is not an address: " + reason_of(code));
   std::string problem = "no address";
   for (const addrinfo* info = found.first; info; info = info->ai_next) {
     Socket socket(::socket(info->ai_family, info->ai_socktype, info->ai_protocol));

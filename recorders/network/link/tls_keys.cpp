@@ -85,7 +85,7 @@ std::vector<std::filesystem::path> make_tls_keys(const std::filesystem::path& fo
   std::map<std::filesystem::path, TlsKeys> made;
   for (const std::string& name : agents) {
     if (!is_agent_name(name))
-      throw InputError('"' + name + '"', "is no name of an agent: 1 to 64 letters, digits, - and _");
+      throw InputError('"' + name + '"', "is not a name for an agent: 1 to 64 letters, digits, - and _");
     const std::filesystem::path path = folder / (name + ".key");
     std::vector<unsigned char> key(kKeyBytes);
     TRILAT_CHECK(RAND_bytes(key.data(), static_cast<int>(key.size())) == 1, "OpenSSL has random bytes");
