@@ -203,7 +203,7 @@ class ConvertTest(unittest.TestCase):
         self.assertIn("another recording", self.refused("ntu", one, self.file("S001C003P003R002A014.skeleton", text)))
         self.assertIn("camera C002", self.refused("ntu", one, one))
         self.assertIn("no name", self.refused("ntu", one, self.file("b.skeleton", text)))
-        for content, message in (("", "no .skeleton"), ("frame,time\n", "skeleton:1"), ("0\n", "no frame"),
+        for content, message in (("", "not a .skeleton"), ("frame,time\n", "skeleton:1"), ("0\n", "no frame"),
                                  ("1\n" + made.ntu_frame(made.ntu_body(0, 1, "1.25")), "averaged")):
             self.assertIn(message, self.refused("ntu", self.file(name, content)))
         report, _, _ = self.converted("ntu", self.file(name, "5\n" + made.ntu_frame(made.ntu_body(0)) + "1\n"), code=1)
