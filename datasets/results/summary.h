@@ -72,8 +72,8 @@ struct SummaryCell {
   static void fields(auto& self, auto&& field) {
     TRILAT_EACH(method, condition, group, alignment, asked, answered)
     field("coverage", self.coverage());
-    TRILAT_EACH(statuses, mae_m, axis_mae_m, bias_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m, max_m,
-                mean_iterations, mae_low_m, mae_high_m, clusters)
+    TRILAT_EACH(statuses, mae_m, axis_mae_m, bias_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m,
+                max_m, mean_iterations, mae_low_m, mae_high_m, clusters)
   }
 };
 

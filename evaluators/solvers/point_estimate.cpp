@@ -7,10 +7,9 @@ namespace trilat {
 namespace {
 
 constexpr std::array<std::string_view, kSolveStatusCount> kNames{
-    "not_solved",       "converged",        "closed_form",    "clamped",
-    "iteration_limit",  "mirror_ambiguous", "rank_deficient", "too_few_ranges",
-    "non_finite_input", "invalid_input",    "diverged",       "no_observation",
-    "given"};
+    "not_solved",       "converged",      "closed_form",    "clamped",          "iteration_limit",
+    "mirror_ambiguous", "rank_deficient", "too_few_ranges", "non_finite_input", "invalid_input",
+    "diverged",         "no_observation", "given"};
 
 }  // namespace
 
