@@ -238,6 +238,11 @@ EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, con
                std::span(truth_m).subspan(i * plan.names.size(), plan.names.size()));
     for (std::string& text : oddities_of(truth))
       notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
+    if (planned.truth_has_z_up)
+      notes.push_back(
+          {planned.take.id, false, planned.take.mocap.string(),
+           "has its z axis up: all files of the take are turned so that y is up, and x, y, z of the "
+           "tables are the files' x, z, -y"});
     if (!planned.level)
       notes.push_back({planned.take.id, false, planned.take.mocap.string(),
                        "neither states nor shows which axis is up: its own axes are used"});

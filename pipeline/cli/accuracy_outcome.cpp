@@ -122,10 +122,10 @@ std::string outcome_text(const ResultsSummary& s) {
     if (!note.failed && !note.take.empty()) noted.insert(note.take);
   const std::string notes =
       noted.empty() ? "" : fmt::format("; {} take{} with notes", noted.size(), noted.size() == 1 ? "" : "s");
-  return fmt::format("{}, {}: {} of {} takes, {} participants{}\nmean error in cm{} (alignment {})\n\n",
+  return fmt::format("{}, {}: {} of {} takes, {} participant{}{}\nmean error in cm{} (alignment {})\n\n",
                      s.campaign, s.simulated ? "simulated" : "recorded", s.takes - s.takes_failed, s.takes,
-                     s.participants, notes, s.left_out() ? " against the sensor left out" : "",
-                     s.alignments.front()) +
+                     s.participants, s.participants == 1 ? "" : "s", notes,
+                     s.left_out() ? " against the sensor left out" : "", s.alignments.front()) +
          table_text(s) + "\n" + (s.left_out() ? truth_note(s) + "\n" : "") + words + "\n";
 }
 

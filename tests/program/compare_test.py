@@ -100,6 +100,15 @@ class Compare(ScratchTest):
         sound = self.compared(self.brought("sound.csv", lambda at, key: at + np.random.default_rng(3).normal(0, 0.02, at.shape)))
         self.assertNotIn("note: sound", sound)
 
+    def test_where_z_is_up_all_files_are_turned_alike_and_a_note_says_so(self):
+        turned = {key: at[:, [0, 2, 1]] * [1, -1, 1] for key, at in self.truth.items()}
+        library.write_joints(self.folder / "truth.csv", self.time_s, turned)
+        library.write_joints(self.folder / "mine.csv", self.time_s, {key: at + [0.01, 0.02, 0.03] for key, at in turned.items()})
+        said = self.compared(self.folder / "mine.csv", more=["--up", "z"])
+        self.assertIn("has its z axis up: all files of the take are turned", said)
+        cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+        np.testing.assert_allclose(cell["bias_m"], [0.01, 0.03, -0.02], atol=1e-9)
+
     def test_a_start_that_the_motion_shows_is_applied_where_that_is_asked_for(self):
         late = self.brought("late.csv", lambda at, key: at, self.time_s + 0.2)
         self.compared(late, more=["--clock-by-motion"])
@@ -222,6 +231,9 @@ class Brought(ScratchTest):
         cells = {c["method"]: c for c in json.loads((self.folder / "results/summary.json").read_text())["cells"] if c["group"] == "average"}
         self.assertAlmostEqual(cells["a"]["mae_m"], 0.02, delta=1e-9)
         self.assertAlmostEqual(cells["b"]["mae_m"], 0.03, delta=1e-9)
+        offsets = self.written("offsets.json", {**json.loads(study.read_text()), "alignments": ["joint_offset"]})
+        self.assertIn("/alignments: has joint_offset, which needs a session",
+                      trilat("run", offsets, "--campaign", self.folder / "camp", "-o", self.folder / "x", code=2))
         self.assertIn("found", trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results", "--json"))
 
     def test_init_finds_the_joints_beside_a_motion_capture(self):

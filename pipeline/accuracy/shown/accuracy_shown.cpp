@@ -57,8 +57,9 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   StoredTables shown;
   shown.title = s.study + " on " + s.campaign;
   shown.asked = "How far from the truth is each method?";
-  shown.about = fmt::format("{} of {} takes, {} participants, {}.", s.takes - s.takes_failed, s.takes,
-                            s.participants, s.simulated ? "**simulated** sensors" : "recorded sensors");
+  shown.about =
+      fmt::format("{} of {} takes, {} participant{}, {}.", s.takes - s.takes_failed, s.takes, s.participants,
+                  s.participants == 1 ? "" : "s", s.simulated ? "**simulated** sensors" : "recorded sensors");
   shown.findings = accuracy_findings(s);
   shown.on_the_paper = answers_on_the_paper(s);
   shown.warnings = accuracy_warnings(s);

@@ -157,12 +157,13 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
               : fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", check.method, check.worst_m));
   for (const std::string& condition : s.conditions)
     for (const std::string& method : leading_methods(s, condition)) {
+      const std::string where = condition.empty() ? "" : " in " + condition;
       const SummaryCell* c = find_cell(s, method, condition, average_group(s), s.alignments.front());
       if (c && c->coverage() < kLeastCoverage)
         warnings.push_back(c->answered == 0
-                               ? fmt::format("`{}` answers nothing in {}.", method, condition)
-                               : fmt::format("`{}` answers only {:.0f} % in {}: its error is of these alone.",
-                                             method, 100.0 * c->coverage(), condition));
+                               ? fmt::format("`{}` answers nothing{}.", method, where)
+                               : fmt::format("`{}` answers only {:.0f} %{}: its error is of these alone.",
+                                             method, 100.0 * c->coverage(), where));
     }
   constexpr std::size_t kMost = 5;
   if (warnings.size() > kMost) {

@@ -361,6 +361,10 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
     plan.rig = rig_of(study, plan.campaign);
     plan.methods = resolve_methods(study, plan.rig);
   }
+  if (plan.rig.empty() &&
+      std::ranges::find(study.alignments, AlignmentKind::joint_offset) != study.alignments.end())
+    throw InputError("study \"" + study.name + "\" /alignments",
+                     "has joint_offset, which needs a session: its bodies show where the person faces");
   add_brought_methods(plan);
   if (plan.methods.empty())
     throw InputError("study \"" + study.name + "\" /methods", "must hold at least one method");
