@@ -123,6 +123,13 @@ void write_settings_seeds(const SeedPath& seed) {
   write_file(seed("study", "every_accuracy_setting"), json_text(resolved_json(study), 1));
   write_file(seed("study", "every_sweep_setting"), json_text(resolved_json(sweep_of(kOneRig)), 1));
   write_file(seed("simulation", "paper"), embedded::paper_campaign_json);
+  write_file(seed("joint_csv", "two"),
+             "time_s,joint,x_m,y_m,z_m\n0,head,0.1,1.7,2\n0,knee_left,,,\n0.02,head,0.1,1.7,2.1\n");
+  write_file(
+      seed("campaign", "that_brings_joints"),
+      R"({"format": "trilat.campaign", "version": 1, "name": "c", "takes": [{"id": "a", "participant": "p",
+                 "mocap": "t.csv", "joints": [{"method": "m", "file": "m.trc", "mapping": {"head": ["H"]},
+                 "clock": "motion"}]}]})");
   write_file(seed("simulation", "of_a_recorded_take"),
              R"({"format": "trilat.simulation", "version": 1, "recorded": {"mocap": "walk.csv",
                  "mapping": "mapping.json", "activity": "walking"}, "wand": {}, "depth": {}, "room": {}})");

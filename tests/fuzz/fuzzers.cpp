@@ -10,6 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/calibration/opencv_intrinsics.h"
+#include "datasets/mocap/joint_csv.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
 #include "datasets/results/gate_history.h"
@@ -116,6 +117,10 @@ void read_some_assets(const fs::path& path) {
   MocapFrame frame;
   while (reader.next(frame)) {
   }
+}
+
+void read_joints(const fs::path& path) {
+  if (is_joint_csv(path)) read_joint_csv(path);
 }
 
 // ---- HDF5
@@ -235,6 +240,7 @@ constexpr Fuzzer kFuzzers[] = {
     {"intrinsics", file<read_kinect_intrinsics>},
     {"mocap_summary", file<inspect_mocap>},
     {"mocap", file<read_some_assets>},
+    {"joint_csv", file<read_joints>},
     {"session", file<read_session>},
     {"take", file<read_take>},
     {"results", read_results_file},
