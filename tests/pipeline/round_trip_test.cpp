@@ -133,14 +133,22 @@ TEST(FilledDocument, CampaignMappingAndCalibrationAreReadBackToTheLastBit) {
   const ScratchFolder folder;
   const Campaign campaign{"gait",
                           true,
-                          {{"p1-walk", "p1", "walking", folder / "s.h5", folder / "c.json", folder / "m.csv",
-                            folder / "j.json", 123456789012345, UpAxis::z}}};
+                          {{"p1-walk",
+                            "p1",
+                            "walking",
+                            folder / "s.h5",
+                            folder / "c.json",
+                            folder / "m.csv",
+                            folder / "j.json",
+                            123456789012345,
+                            UpAxis::z,
+                            {{"mine", folder / "mine.trc", {{"head", {"H1", "H2"}}}, true}}}}};
   write_campaign(folder.path(), campaign);
   const std::string text = read_file(folder / "campaign.json");
   write_campaign(folder.path(), read_campaign(folder.path()));
   EXPECT_EQ(read_file(folder / "campaign.json"), text);
   for (const char* word : {"gait", "true", "p1-walk", "walking", "s.h5", "c.json", "m.csv", "j.json",
-                           "123456789012345", "\"z\""})
+                           "123456789012345", "\"z\"", "mine.trc", "\"H2\"", "motion"})
     EXPECT_THAT(text, testing::HasSubstr(word));
 
   write_file(folder / "mapping.json", R"({"format": "trilat.mapping", "version": 1,
