@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "datasets/geometry/rigid_transform.h"
@@ -22,6 +23,11 @@ struct TakeHead {
   std::vector<std::string> joints, methods, tracks;
   std::vector<std::string> status_names;  // status number -> name
 };
+
+// Whether a status of that name, as a take's head lists them, is an answer.
+inline bool is_answer(std::string_view status) {
+  return status == "converged" || status == "closed_form" || status == "clamped" || status == "given";
+}
 
 // Rows [first_instant, first_instant + instants) of a track. Per instant: time_ns and heading_rad; per
 // instant and joint: truth (x, y, z); per instant, joint and method: everything else, joints before methods.

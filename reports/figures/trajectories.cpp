@@ -37,8 +37,7 @@ struct Path {
 std::set<std::uint8_t> usable_statuses(const TakeHead& header) {
   std::set<std::uint8_t> usable;
   for (std::size_t k = 0; k < header.status_names.size(); ++k)
-    for (const char* name : {"converged", "closed_form", "clamped"})
-      if (header.status_names[k] == name) usable.insert(static_cast<std::uint8_t>(k));
+    if (is_answer(header.status_names[k])) usable.insert(static_cast<std::uint8_t>(k));
   return usable;
 }
 

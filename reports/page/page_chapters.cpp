@@ -73,8 +73,11 @@ std::string chapter_id(std::size_t number) { return fmt::format("chapter-{}", nu
 
 std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
   std::string html = "<p class=\"about\">" + html_sentence(chapter.about) + "</p>\n";
-  for (const std::string& sentence : chapter.sentences) html += "<p>" + html_sentence(sentence) + "</p>\n";
-  html += html_list("warnings", chapter.warnings);
+  const bool is_alone = content.chapters.size() == 1;  // the first screen has its findings and warnings
+  for (const std::string& sentence : chapter.sentences)
+    if (!is_alone || std::ranges::find(content.headline.answers, sentence) == content.headline.answers.end())
+      html += "<p>" + html_sentence(sentence) + "</p>\n";
+  if (!is_alone) html += html_list("warnings", chapter.warnings);
   std::set<std::string> judged;
   std::size_t others = 0;
   std::string links;

@@ -52,9 +52,7 @@ class Packer {
 };
 
 bool is_usable(const TakeHead& head, std::uint8_t status) {
-  if (status >= head.status_names.size()) return false;
-  const std::string& name = head.status_names[status];
-  return name == "converged" || name == "closed_form" || name == "clamped" || name == "given";
+  return status < head.status_names.size() && is_answer(head.status_names[status]);
 }
 
 // By their numbers in the samples.

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/units.h"
+#include "datasets/results/stored_take.h"
 
 namespace trilat {
 
@@ -50,8 +51,7 @@ void add_coverage_note(const ResultsSummary& s, const std::string& condition, co
       all.asked += c.asked;
       all.answered += c.answered;
       for (const auto& [status, n] : c.statuses)
-        if (status != "converged" && status != "closed_form" && status != "clamped")
-          all.statuses[status] += n;
+        if (!is_answer(status)) all.statuses[status] += n;
     }
     if (!(all.coverage() < kLeastCoverage) || all.statuses.empty()) continue;
     const auto reason = std::ranges::max_element(
