@@ -51,6 +51,7 @@ void read_run_record(const std::filesystem::path& path, Provenance& p) {
   p.compiler = run.text("compiler", "");
   p.threads = scalar_text(json, "threads");
   p.wall_s = scalar_text(json, "wall_s");
+  p.is_compared = run.text("verb", "") == "compare";
 }
 
 }  // namespace
@@ -85,6 +86,14 @@ std::string study_file(const Provenance& provenance) {
 std::string commands_of(const Provenance& p) {
   const bool wants_campaign = p.kind == StudyKind::accuracy;
   const std::string folder = usable_id(p.folder);
+  if (p.is_compared) {
+    std::string files, mapping;
+    for (const InputFile& input : p.inputs)
+      (input.role == "mapping" ? mapping : files) +=
+          (input.role == "mapping" ? " --mapping " : " ") + input.file;
+    return fmt::format("trilat compare{}{} -o {}\ntrilat report {} -o report", files, mapping, folder,
+                       folder);
+  }
   return fmt::format("trilat run {}{}{} -o {}\ntrilat report {} -o report", study_file(p),
                      wants_campaign ? " --campaign CAMPAIGN" : "",
                      p.calibration.empty() ? "" : " --calibration " + p.calibration, folder, folder);

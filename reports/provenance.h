@@ -28,6 +28,7 @@ struct Provenance {
   std::vector<std::string> rig;
   std::vector<InputFile> inputs;
   std::string processor, threads, compiler, wall_s;
+  bool is_compared = false;  // by `trilat compare`, without a study and a campaign
 };
 
 // Reads both files. InputError when one is of another version, and when the manifest is not of the run that

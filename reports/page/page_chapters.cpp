@@ -149,7 +149,7 @@ std::string provenance_html(const Provenance& p) {
   html += "<dl class=\"facts\">\n" + facts + "</dl>\n";
   if (p.config.empty()) return html;
   html += "<pre>" + html_text(commands_of(p)) + "</pre>\n";
-  if (p.kind == StudyKind::accuracy)
+  if (p.kind == StudyKind::accuracy && !p.is_compared)
     html += fmt::format(
         "<p class=\"soft\">CAMPAIGN: the folder of “{}”, whose files have the hashes below.</p>\n",
         html_text(p.campaign));

@@ -82,6 +82,11 @@ class Compare(ScratchTest):
         self.assertLess(said.index("alignment none"), said.index("alignment mean"))
         self.assertRegex(said, r"mine +5\.0 \(\S+ to \S+\) +100\.0% +\+3\.0 +\+0\.0 +-4\.0  +5 of +5")
 
+    def test_the_page_says_the_line_that_makes_it_again(self):
+        self.compared(self.brought("mine.csv", lambda at, key: at))
+        trilat("report", self.folder / "results", "-o", self.folder / "report")
+        self.assertIn("<pre>trilat compare truth.csv mine.csv -o results\n", (self.folder / "report/report.html").read_text())
+
     def test_what_is_wrong_with_a_file_is_named_with_its_size(self):
         still = lambda at, key: at
         wrong = {
