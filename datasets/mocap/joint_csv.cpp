@@ -28,22 +28,27 @@ std::array<std::size_t, kJointColumns.size()> joint_columns(const std::vector<st
   return places;
 }
 
+// The names of the columns, of a file that has any rows.
+std::vector<std::string> column_names(LineReader& lines) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  std::string_view line;
+  if (!lines.next(line)) return {};
+  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  return split_csv(line);
+}
+
 }  // namespace
 
 bool is_joint_csv(const std::filesystem::path& path) {
   LineReader lines(path, kReadBytes);
-  std::string_view line;
-  if (!lines.next(line)) return false;
-  const std::vector<std::string> names = split_csv(line);
+  const std::vector<std::string> names = column_names(lines);
   const auto places = joint_columns(names);
   return places[0] < names.size() && places[1] < names.size();
 }
 
 MocapPositions read_joint_csv(const std::filesystem::path& path) {
   LineReader lines(path, kReadBytes);
-  std::string_view line;
-  lines.next(line);
-  const std::vector<std::string> names = split_csv(line);
+  const std::vector<std::string> names = column_names(lines);
   const auto places = joint_columns(names);
   for (std::size_t c = 0; c < places.size(); ++c)
     if (places[c] == names.size())
@@ -58,7 +63,7 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
   MocapPositions positions;
   positions.header.format = "joints as CSV";
   std::map<std::string, std::size_t> joints;
-  while (lines.next(line)) {
+  for (std::string_view line; lines.next(line);) {
     const std::vector<std::string> cells = split_csv(line);
     if (cells.size() < names.size() && !lines.terminated()) positions.anomalies.truncated_last_row = true;
     if (cells.size() < names.size() && (line.empty() || !lines.terminated())) continue;
@@ -95,7 +100,13 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
   std::size_t frame = 0;
   for (const Row& row : rows) {
     while (positions.time[frame].ns < row.time_ns - first_ns) ++frame;
-    positions.position_m[row.joint][frame] = row.position_m;
+    Eigen::Vector3d& position_m = positions.position_m[row.joint][frame];
+    if (position_m.allFinite() && row.position_m.allFinite())
+      throw InputError(
+          path.string(),
+          fmt::format("has {} twice at {:.6f} s; the joints of one person are wanted",
+                      positions.header.assets[row.joint].name, 1e-9 * static_cast<double>(row.time_ns)));
+    if (!position_m.allFinite()) position_m = row.position_m;
   }
   return positions;
 }

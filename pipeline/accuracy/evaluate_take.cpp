@@ -238,6 +238,8 @@ EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, con
                std::span(truth_m).subspan(i * plan.names.size(), plan.names.size()));
     for (std::string& text : oddities_of(truth))
       notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
+    for (std::string& text : points_left_out(planned.take, plan.names))
+      notes.push_back({planned.take.id, false, planned.take.mapping.string(), std::move(text)});
     if (planned.truth_has_z_up)
       notes.push_back(
           {planned.take.id, false, planned.take.mocap.string(),

@@ -131,9 +131,21 @@ class Compare(ScratchTest):
         self.assertIn("short.csv:1: has no column z_m", self.compared(self.folder / "short.csv", code=2))
         (self.folder / "far.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1700,2,3\n")
         self.assertIn("far.csv:2: head is more than 100 m; have the numbers another unit", self.compared(self.folder / "far.csv", code=2))
+        (self.folder / "two.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1,2,3\n0,head,2,2,3\n")
+        self.assertIn("two.csv: has head twice at 0.000000 s", self.compared(self.folder / "two.csv", code=2))
+        (self.folder / "notes.csv").write_text("a;b\n1;2\n")
+        self.assertIn("notes.csv: is neither motion capture", self.compared(self.folder / "notes.csv", code=2))
         library.write_joints(self.folder / "names.csv", self.time_s, {"nobody": self.truth["head"]})
         said = self.compared(self.folder / "names.csv", code=2)
         self.assertIn("names.csv: has no point that truth.csv has: here are nobody, there head", said)
+
+    def test_what_a_mapping_names_and_no_file_has_is_said(self):
+        mapping = self.written("mapping.json", {"format": "trilat.mapping", "version": 1, "joints": {"head": ["head"], "tail": ["Marker 7"]}})
+        mine = self.brought("mine.csv", lambda at, key: at)
+        mine.write_bytes(b"\xef\xbb\xbf" + mine.read_bytes())  # as a spreadsheet saves it
+        said = self.compared(mine, more=["--mapping", mapping])
+        self.assertIn("names tail that are in none of the files, and not compared", said)
+        self.assertEqual({c["group"] for c in self.cells()}, {"head"})
 
     def test_names_of_pose_estimators_are_the_joints_that_they_mean(self):
         called = {"head": "Head", "knee_left": "LKnee", "ankle_left": "LAnkle", "ankle_right": "RAnkle"}
@@ -236,6 +248,8 @@ class Brought(ScratchTest):
         cells = {c["method"]: c for c in json.loads((self.folder / "results/summary.json").read_text())["cells"] if c["group"] == "average"}
         self.assertAlmostEqual(cells["a"]["mae_m"], 0.02, delta=1e-9)
         self.assertAlmostEqual(cells["b"]["mae_m"], 0.03, delta=1e-9)
+        solved = self.written("solved.json", {**json.loads(study.read_text()), "methods": [{"method": "mean"}]})
+        self.assertIn("/methods: need takes with a session", trilat("run", solved, "--campaign", self.folder / "camp", "-o", self.folder / "x", code=2))
         offsets = self.written("offsets.json", {**json.loads(study.read_text()), "alignments": ["joint_offset"]})
         self.assertIn("/alignments: has joint_offset, which needs a session",
                       trilat("run", offsets, "--campaign", self.folder / "camp", "-o", self.folder / "x", code=2))

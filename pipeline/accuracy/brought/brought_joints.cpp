@@ -115,12 +115,26 @@ std::optional<UpAxis> standing_axis(const MocapPositions& positions, const std::
 
 }  // namespace
 
+namespace {
+
+// InputError for what is neither a CSV of joints nor motion capture.
+bool is_joints(const std::filesystem::path& file) {
+  if (is_joint_csv(file)) return true;
+  if (!begins_as_mocap(file))
+    throw InputError(file.string(),
+                     "is neither motion capture (Motive's CSV, TRC) nor a CSV of joints, whose first row is "
+                     "time_s,joint,x_m,y_m,z_m");
+  return false;
+}
+
+}  // namespace
+
 MocapHeader read_marker_header(const std::filesystem::path& file) {
-  return is_joint_csv(file) ? read_joint_csv(file).header : MocapReader(file).header();
+  return is_joints(file) ? read_joint_csv(file).header : MocapReader(file).header();
 }
 
 MocapPositions read_markers(const std::filesystem::path& file) {
-  if (is_joint_csv(file)) return read_joint_csv(file);
+  if (is_joints(file)) return read_joint_csv(file);
   MocapReader reader(file);
   std::vector<std::size_t> assets;
   for (std::size_t i = 0; i < reader.header().assets.size(); ++i)
@@ -156,6 +170,15 @@ std::vector<NamedPoint> common_points(const Take& take) {
       fmt::format("has no point that {} has: here are {}, there {}. Say which is which with a mapping",
                   take.mocap.filename().string(), names_text(names_of(points_by_name(brought.front()))),
                   names_text(names_of(ways.front()))));
+}
+
+std::vector<std::string> points_left_out(const Take& take, const std::vector<std::string>& names) {
+  std::vector<std::string> left_out;
+  if (!take.mapping.empty())
+    for (const NamedPoint& point : read_points(take.mapping))
+      if (std::ranges::find(names, point.name) == names.end()) left_out.push_back(point.name);
+  if (left_out.empty()) return {};
+  return {fmt::format("names {} that are in none of the files, and not compared", names_text(left_out))};
 }
 
 void look_into_brought(PlannedTake& planned, const StudySpec& study) {

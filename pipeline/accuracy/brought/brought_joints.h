@@ -24,6 +24,9 @@ MocapPositions read_markers(const std::filesystem::path& file);
 // none.
 std::vector<NamedPoint> common_points(const Take& take);
 
+// What its mapping names and no file brings, as a note or none.
+std::vector<std::string> points_left_out(const Take& take, const std::vector<std::string>& names);
+
 // A take without a session: its points, its instants on the mocap's clock, and which axis is up.
 void look_into_brought(PlannedTake& planned, const StudySpec& study);
 

@@ -365,6 +365,9 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
       std::ranges::find(study.alignments, AlignmentKind::joint_offset) != study.alignments.end())
     throw InputError("study \"" + study.name + "\" /alignments",
                      "has joint_offset, which needs a session: its bodies show where the person faces");
+  if (plan.rig.empty() && !study.methods.empty())
+    throw InputError("study \"" + study.name + "\" /methods",
+                     "need takes with a session, and the campaign has joints alone: leave the key out");
   add_brought_methods(plan);
   if (plan.methods.empty())
     throw InputError("study \"" + study.name + "\" /methods", "must hold at least one method");
