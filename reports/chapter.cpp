@@ -30,7 +30,7 @@ void put_the_paper_first(std::vector<Table>& tables) {
   }
 }
 
-// What needs the samples.
+// Adds the trajectory figures and the replays, which are drawn from the samples of single takes.
 void add_takes(Chapter& chapter) {
   const ResultsSummary summary = read_summary(chapter.results);
   auto first =

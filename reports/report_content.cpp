@@ -56,7 +56,7 @@ std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& re
   return tables;
 }
 
-// As many tables as a reader bears.
+// Keeps the first twenty tables on the page; the others stay as files.
 void limit_shown(ReportContent& content) {
   std::size_t left = 20 - content.changes.has_value() - 2 * content.claims.has_value();
   for (Chapter& chapter : content.chapters)

@@ -113,7 +113,8 @@ class Writer {
   std::vector<std::filesystem::path>& written_;
 };
 
-// What is long is a CSV file alone, which its study may have written.
+// Writes each table as CSV, and as LaTeX too unless it is shown as a file only. The study itself may have
+// written the rows of a long table.
 void write_tables(const ReportContent& content, Writer& write, const std::function<void(double)>& advance) {
   const std::vector<const Table*> tables = content.tables();
   for (std::size_t t = 0; t < tables.size(); ++t) {

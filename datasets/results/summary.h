@@ -263,9 +263,9 @@ const BestMethod* find_best(const ResultsSummary& summary, const std::string& co
 
 // The group that stands for all: their average, or the only one.
 std::string average_group(const ResultsSummary& summary);
-// Those with results, their average last.
+// The joint groups that have results, and their average last.
 std::vector<std::string> groups_in(const ResultsSummary& summary, const std::string& condition);
-// By their errors on average under the first alignment, the least first.
+// The methods sorted by their mean error under the first alignment, the least first.
 std::vector<std::string> by_error(const ResultsSummary& summary, const std::string& condition,
                                   std::vector<std::string> methods);
 // The paper's three, the best single sensor, the mean, range_bearing, the reference and the best; of few

@@ -9,7 +9,7 @@
 namespace trilat {
 namespace {
 
-// Of atan2: exact also where they are nearly parallel.
+// The angle by atan2, which stays exact for nearly parallel vectors; NaN when one of them is zero.
 double angle_rad(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const double across = a.cross(b).norm(), along = a.dot(b);
   return across == 0.0 && along == 0.0 ? std::nan("") : std::atan2(across, along);

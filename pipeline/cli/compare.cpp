@@ -75,11 +75,11 @@ std::string cm_text(double cm, const char* sign = "") {
   return *sign == '+' ? fmt::format("{:+.1f}", shown) : fmt::format("{:.1f}", shown);
 }
 
-// Of the points that a method answers: the mean of their mean errors and biases.
+// One method's row. Error and bias are means over the joints that it answers; left and right are one joint.
 struct ComparedRow {
   std::string method, error;
   std::uint64_t asked = 0, answered = 0;
-  std::size_t points = 0;
+  std::size_t joints = 0;
   double mae_m = 0.0;
   std::array<double, 3> bias_m{};
 };
@@ -92,11 +92,11 @@ ComparedRow row_of(const ResultsSummary& s, const std::string& method, const std
     row.asked += cell.asked;
     row.answered += cell.answered;
     if (cell.answered == 0) continue;
-    ++row.points;
+    ++row.joints;
     row.mae_m += cell.mae_m;
     for (std::size_t axis = 0; axis < 3; ++axis) row.bias_m[axis] += cell.bias_m[axis];
   }
-  const auto n = static_cast<double>(row.points);
+  const auto n = static_cast<double>(row.joints);
   row.mae_m /= n;
   for (double& bias_m : row.bias_m) bias_m /= n;
   row.error = cm_text(kCentimetresPerMetre * row.mae_m);
@@ -114,16 +114,16 @@ void print_tables(const ResultsSummary& s) {
     std::vector<ComparedRow> rows;
     for (const std::string& method : s.methods) rows.push_back(row_of(s, method, alignment));
     std::ranges::stable_sort(rows, {}, [](const ComparedRow& row) {
-      return row.points == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
+      return row.joints == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
     });
     fmt::print("alignment {}, centimetres\n{:<{}}  {:>20}  {:>8}  {:>7} {:>7} {:>7}  {:>8}\n", alignment,
-               "method", width, "mean error", "answered", "bias x", "y", "z", "points");
+               "method", width, "mean error", "answered", "bias x", "y", "z", "joints");
     for (const ComparedRow& row : rows) {
       fmt::print("{:<{}}  {:>20}  {:>7.1f}%", row.method, width, row.error,
                  100.0 * share_of(row.answered, row.asked));
       for (const double bias_m : row.bias_m)
         fmt::print(" {:>7}", cm_text(kCentimetresPerMetre * bias_m, "+"));
-      fmt::print("  {:>2} of {:>2}\n", row.points, s.groups.size());
+      fmt::print("  {:>2} of {:>2}\n", row.joints, s.groups.size());
     }
   }
 }

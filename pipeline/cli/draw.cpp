@@ -32,7 +32,7 @@ constexpr int kScale = 2;  // pixels of the picture for one of the sensor
 constexpr double kNearest_m = 0.5, kFarthest_m = 4.5;
 const cv::Scalar kWhite(255, 255, 255), kBall(255, 0, 255), kWand(255, 160, 255);
 
-// From 0.5 m to 4.5 m in colours; black where nothing was seen.
+// The depths from 0.5 m to 4.5 m as colours; black where nothing was seen.
 cv::Mat in_colours(const cv::Mat& depth_mm) {
   constexpr double kSlope = 255.0 / (1e3 * (kFarthest_m - kNearest_m));
   cv::Mat grey, picture;
@@ -59,8 +59,10 @@ void tint_wand(cv::Mat& picture, const DepthImageView& image, const DepthRays& r
         mask.at<std::uint8_t>(row, column) = 1;
   cv::connectedComponents(mask, parts);
   const auto middle = project(rays.intrinsics, centre_m);
+  if (!middle) return;
   const cv::Point ball(static_cast<int>(std::lround(middle->x())),
                        static_cast<int>(std::lround(middle->y())));
+  if (!ball.inside(cv::Rect(0, 0, mask.cols, mask.rows))) return;  // only a part of it is in the image
   for (int row = 0; row < mask.rows; ++row)
     for (int column = 0; column < mask.cols; ++column)
       if (mask.at<std::uint8_t>(row, column) != 0 && parts.at<int>(row, column) == parts.at<int>(ball)) {

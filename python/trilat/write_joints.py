@@ -20,6 +20,9 @@ def write_joints(path: str | os.PathLike, time_s: np.ndarray, joints_m: Mapping[
     for name, position_m in joints_m.items():
         if position_m.shape != (len(time_s), 3):
             raise InputError(path, f"{name} has the shape {position_m.shape}; ({len(time_s)}, 3) is wanted")
+    for name in joints_m:
+        if not name or any(sign in name for sign in ',"\t\r\n'):
+            raise InputError(path, f"the joint {name!r} must have a name without commas, quotes, tabs and line ends")
     if not joints_m:
         raise InputError(path, "there are no joints")
     if path.suffix == ".csv":

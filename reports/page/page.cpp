@@ -47,7 +47,7 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
   if (!any) return section;
   if (three_js.empty()) {
     section.html =
-        "<p>There is no replay, because three.js was not found. Install the Debian package "
+        "<p>The replay is left out, because three.js was not found. Install the Debian package "
         "<code>libjs-three</code> and write the report again.</p>\n";
     return section;
   }

@@ -45,7 +45,7 @@
     return up < 0 ? [] : [[joints.indexOf(skeleton.names[up]), j]];
   });
 
-  // Where the person is, in the mean.
+  // The mean of the truth's positions, which the camera looks at.
   const middleOf = (take) => {
     const sum = [0, 0, 0];
     let count = 0;

@@ -55,7 +55,7 @@ bool is_usable(const TakeHead& head, std::uint8_t status) {
   return status < head.status_names.size() && is_answer(head.status_names[status]);
 }
 
-// By their numbers in the samples.
+// The methods that the replay shows, as indices into the samples' methods.
 std::vector<std::size_t> shown_methods(const TakeHead& head, const ResultsSummary& summary) {
   std::set<std::string> wanted{"nonlinear", "mean", summary.reference};
   if (const BestMethod* best = find_best(summary, head.condition, average_group(summary)))

@@ -9,8 +9,8 @@
 
 namespace trilat {
 
-// What the page's replay of one take needs, as JSON: names, the skeleton, counts, and `points` in base64: a
-// zlib stream of 16-bit little-endian millimetres (-32768: there is none). Each channel is all instants of
+// The data for the replay of one take, as JSON: names, the skeleton, counts, and `points` in base64, which is
+// a zlib stream of 16-bit little-endian millimetres (-32768: there is none). Each channel is all instants of
 // one number, the first as it is and then differences modulo 2^16. Channels, in order: x, y, z of every
 // sensor's Kinect joints; of the truth of every evaluated joint; of every method's estimate of these joints.
 struct PackedReplay {

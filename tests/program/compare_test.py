@@ -139,6 +139,17 @@ class Compare(ScratchTest):
         said = self.compared(self.folder / "names.csv", code=2)
         self.assertIn("names.csv: has no point that truth.csv has: here are nobody, there head", said)
 
+    def test_a_name_that_a_csv_cannot_hold_is_an_error(self):
+        for name in ("", "a,b", 'a"b', "a\nb"):
+            with self.assertRaisesRegex(library.InputError, "must have a name without commas"):
+                library.write_joints(self.folder / "mine.csv", self.time_s, {name: self.truth["head"]})
+
+    def test_one_joint_that_stands_still_says_nothing_on_units(self):
+        still = np.tile([0.1, 1.7, 0.2], (FRAMES, 1))
+        library.write_joints(self.folder / "truth.csv", self.time_s, {"head": still})
+        library.write_joints(self.folder / "mine.csv", self.time_s, {"head": still + np.random.default_rng(6).normal(0, 0.02, still.shape)})
+        self.assertNotIn("times as far apart", self.compared(self.folder / "mine.csv", more=["--up", "y"]))
+
     def test_what_a_mapping_names_and_no_file_has_is_said(self):
         mapping = self.written("mapping.json", {"format": "trilat.mapping", "version": 1, "joints": {"head": ["head"], "tail": ["Marker 7"]}})
         mine = self.brought("mine.csv", lambda at, key: at)

@@ -68,7 +68,7 @@ double distance_m(const Pairs& pairs, const Eigen::Matrix3d& turn = Eigen::Matri
   return sum / static_cast<double>(pairs.truth_m.size());
 }
 
-// Of positions under another unit than the file states.
+// Reports a spread of the points that a wrong unit would explain.
 std::optional<std::string> unit_text(const Pairs& pairs) {
   constexpr std::pair<double, const char*> kUnits[] = {
       {1000.0, "millimetres read as metres"},    {100.0, "centimetres read as metres"},
@@ -76,6 +76,7 @@ std::optional<std::string> unit_text(const Pairs& pairs) {
       {0.01, "metres read as centimetres"},      {0.001, "metres read as millimetres"},
       {39.37, "inches read as metres"},          {3.281, "feet read as metres"},
       {0.0254, "metres read as inches"}};
+  if (spread_m(pairs.truth_m) < kLeastError_m) return std::nullopt;  // one point that stands still
   const double ratio = spread_m(pairs.brought_m) / spread_m(pairs.truth_m);
   if (!(ratio > 0.0) || (ratio > 0.6 && ratio < 1.7)) return std::nullopt;
   for (const auto& [factor, what] : kUnits)
@@ -97,7 +98,7 @@ std::string axes_text(const Eigen::Matrix3d& turn) {
   return text;
 }
 
-// Of axes that are exchanged or mirrored.
+// Reports axes that are exchanged or mirrored, when exchanging them back makes the error clearly smaller.
 std::optional<std::string> turn_text(const Pairs& pairs) {
   const double now_m = distance_m(pairs);
   if (!(now_m > kLeastError_m)) return std::nullopt;
@@ -118,12 +119,11 @@ std::optional<std::string> turn_text(const Pairs& pairs) {
   if (best_m > std::min(kClearlyBetter * now_m, kMostLeft_m)) return std::nullopt;
   return fmt::format(
       "has other axes than the truth: read as ({}), its mean distance from it falls from {:.1f} to {:.1f} "
-      "cm. "
-      "Write its x, y, z so",
+      "cm. Write its x, y, z so",
       axes_text(best), 100.0 * now_m, 100.0 * best_m);
 }
 
-// Of times that run too fast or too slowly.
+// Reports a wrong rate, when another rate makes the error clearly smaller.
 std::optional<std::string> pace_text(const Plan& plan, const PointPath* truth, const BroughtTrack& brought) {
   const double now_m = distance_m(pairs_of(plan, truth, brought));
   if (!(now_m > kLeastError_m)) return std::nullopt;
@@ -132,14 +132,13 @@ std::optional<std::string> pace_text(const Plan& plan, const PointPath* truth, c
     if (pairs.truth_m.size() < kMostLooks / 8 || distance_m(pairs) > kClearlyBetter * now_m) continue;
     return fmt::format(
         "runs {:.3g} times as fast as the truth: at its rate times {:.3g} its mean distance falls from "
-        "{:.1f} "
-        "to {:.1f} cm. Mend the rate or the times in the file",
+        "{:.1f} to {:.1f} cm. Mend the rate or the times in the file",
         1.0 / pace, pace, 100.0 * now_m, 100.0 * distance_m(pairs));
   }
   return std::nullopt;
 }
 
-// What lies outside of its span and what is missing within.
+// Reports a file that begins late or ends early, and positions that are missing in between.
 std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, const BroughtTrack& brought) {
   std::vector<std::string> texts;
   const double begins_s = brought.first_s + brought.offset_s,
@@ -211,7 +210,7 @@ std::optional<double> best_start_s(const Plan& plan, const PointPath* truth, con
   return best_s;
 }
 
-// By its motion; nothing where it fits or says nothing.
+// Reports the offset of the clock that the motion shows; nothing when it is under 20 ms or cannot be told.
 std::optional<std::string> clock_text(const ClockOffset& found, const BroughtTrack& brought) {
   if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
     return "does not move as the truth moves, at any start that was looked at; is it the same take, and the "
@@ -254,8 +253,7 @@ std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned
       if (const auto later_s = best_start_s(plan, truth, brought))
         cause = fmt::format(
             "starts about {:.2f} s {} than the truth: moved so, it lies at most half as far from it. Mend "
-            "its "
-            "times",
+            "its times",
             std::abs(*later_s), *later_s > 0.0 ? "earlier" : "later");
     if (brought.joints->clock_by_motion && found.status == ClockOffsetStatus::found)
       brought.offset_s = found.offset_s;
@@ -267,8 +265,7 @@ std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned
   if (const double far_m = distance_m(pairs); !cause && far_m > kFar_m)
     cause = fmt::format(
         "lies {:.0f} cm from the truth in the mean, also with their means laid over each other; is it the "
-        "same "
-        "take, and the same person?",
+        "same take, and the same person?",
         100.0 * far_m);
   if (cause) note(std::move(*cause));
   for (std::string& text : hole_texts(plan, truth, brought)) note(std::move(text));

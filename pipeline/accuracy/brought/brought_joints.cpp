@@ -113,10 +113,6 @@ std::optional<UpAxis> standing_axis(const MocapPositions& positions, const std::
   return standing.axis();
 }
 
-}  // namespace
-
-namespace {
-
 // InputError for what is neither a CSV of joints nor motion capture.
 bool is_joints(const std::filesystem::path& file) {
   if (is_joint_csv(file)) return true;

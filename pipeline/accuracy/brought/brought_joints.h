@@ -24,7 +24,7 @@ MocapPositions read_markers(const std::filesystem::path& file);
 // none.
 std::vector<NamedPoint> common_points(const Take& take);
 
-// What its mapping names and no file brings, as a note or none.
+// One note that names the mapped points that no file brings; empty when every point is brought.
 std::vector<std::string> points_left_out(const Take& take, const std::vector<std::string>& names);
 
 // A take without a session: its points, its instants on the mocap's clock, and which axis is up.
@@ -33,7 +33,7 @@ void look_into_brought(PlannedTake& planned, const StudySpec& study);
 // The points of a take without a session, as its mocap has them.
 MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned);
 
-// What a take brings of the plan's names.
+// The joints of one brought file, in the order of the plan's names.
 struct BroughtTrack {
   const BroughtJoints* joints = nullptr;
   std::size_t method = 0;  // of the plan
@@ -53,7 +53,7 @@ void points_at(const BroughtTrack& brought, double since_s, std::span<Eigen::Vec
 std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned, const PointPath* truth,
                                     BroughtTrack& brought);
 
-// As paths of its method, at times since the first instant.
+// The brought positions as paths of their method, at times in seconds since the first instant.
 MethodPaths paths_of(const Plan& plan, const BroughtTrack& brought, const std::vector<double>& since_s);
 
 }  // namespace trilat

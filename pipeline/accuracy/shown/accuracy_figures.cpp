@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<std::string_view, 7> kFromHeadToFoot{"head", "shoulder", "elbow", "wrist",
                                                           "hip",  "knee",     "ankle"};
 
-// As many as a figure has panels: from head to foot, and the average of all.
+// The groups that a figure of six panels shows: from head to foot, and the average of all last.
 std::vector<std::string> first_groups(std::vector<std::string> groups) {
   constexpr std::size_t kMostPanels = 6;
   if (groups.size() <= kMostPanels) return groups;

@@ -14,8 +14,8 @@
 
 namespace trilat {
 
-// What an accuracy study shows: methods by joint and which take is odd first, then all statistics, the
-// paper's Table II where its activities were recorded, and what the sensors' tracking says.
+// The tables of an accuracy study. First the methods by joint and the takes with odd errors; then all
+// statistics, the paper's Table II when its activities were recorded, and the tracking of the sensors.
 StoredTables accuracy_shown(const ResultsSummary& summary, const std::optional<TrackingSummary>& tracking);
 // Methods by joint in each condition, and error against the number of sensors.
 std::vector<Figure> accuracy_figures(const ResultsSummary& summary);
@@ -58,14 +58,15 @@ std::vector<Table> agreement_tables(const StudyErrors& errors);
 std::vector<Table> angle_tables(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 std::vector<Figure> angle_figures(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 
-// What a run says of how its sensors tracked: which views each rule rejects, by joint and by sensor;
+// The tables on how the sensors tracked: the views that each rule rejects, by joint and by sensor;
 // exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
 
 // One sensor's correction in a line.
 std::string correction_text(const CorrectionRow& row);
 
-// Of a study that leaves sensors out: how well each method predicts what they see. One table or none.
+// How well each method predicts the joints that a left-out sensor sees. No table when the study leaves none
+// out.
 std::vector<Table> prediction_tables(const TrackingSummary& summary);
 // One take's disagreement along and across the rays, in one line.
 std::string ray_text(const RayRow& row);

@@ -35,11 +35,7 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
        {"iterations", "iterations", as_number(1, &R::mean_iterations)},
        {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}},
       [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
-  if (s.left_out()) table.notes.push_back(truth_note(s));
-  add_notes(table, "accuracy");
-  table.notes.push_back(interval_note(s));
-  add_coverage_note(s, condition, alignment, table);
-  add_take_notes(s, table);
+  add_error_notes(s, condition, alignment, "accuracy", table);
   return table;
 }
 

@@ -39,6 +39,9 @@ std::string interval_note(const ResultsSummary& s) {
          "measured, and nothing of other people.";
 }
 
+namespace {
+
+// Each method with its share, and the most frequent status of what it does not answer.
 void add_coverage_note(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
                        Table& table) {
   std::string methods;
@@ -64,6 +67,17 @@ void add_coverage_note(const ResultsSummary& s, const std::string& condition, co
     table.notes.push_back(
         "Answered less than 80 %, so that errors by themselves flatter these methods: " + methods +
         ". Compare them by the differences, which are of samples that both answer.");
+}
+
+}  // namespace
+
+void add_error_notes(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
+                     const std::string& key, Table& table) {
+  if (s.left_out()) table.notes.push_back(truth_note(s));
+  add_notes(table, key);
+  table.notes.push_back(interval_note(s));
+  add_coverage_note(s, condition, alignment, table);
+  add_take_notes(s, table);
 }
 
 void add_take_notes(const ResultsSummary& summary, Table& table) {

@@ -24,9 +24,10 @@ std::string interval_note(const ResultsSummary& summary);
 inline constexpr double kLeastCoverage = 0.8;
 // From this share on, every sample counts as answered.
 inline constexpr double kWhole = 0.995;
-// One note for the methods that answer less, each with its share and how most of the others end.
-void add_coverage_note(const ResultsSummary& summary, const std::string& condition,
-                       const std::string& alignment, Table& table);
+// The notes of a table of errors: what its truth is, the notes of `key`, the intervals, one note for the
+// methods that answer less than `kLeastCoverage`, and the takes' own.
+void add_error_notes(const ResultsSummary& summary, const std::string& condition,
+                     const std::string& alignment, const std::string& key, Table& table);
 void add_take_notes(const ResultsSummary& summary, Table& table);
 
 // "4.9 cm (4.7 to 5.1)", without brackets where there is no interval.

@@ -35,7 +35,7 @@ OfTakes of_takes(const std::vector<AngleSums>& sums, const std::string& conditio
   return takes;
 }
 
-// By participant, in degrees.
+// The agreement of a method with the truth, in degrees; each participant is one cluster.
 Agreement agreement_of(const OfTakes& takes) {
   std::map<std::string, DifferenceSums> persons;
   for (const AngleSums* one : takes) {

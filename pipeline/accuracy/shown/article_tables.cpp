@@ -29,7 +29,7 @@ TableValue error_cell(const ResultsSummary& s, const std::string& condition, con
   return value;
 }
 
-// Of all joint groups.
+// The share of the instants that a method answers, over all joint groups, in percent.
 TableValue answered_cell(const ResultsSummary& s, const std::string& condition, const std::string& method) {
   std::uint64_t asked = 0, answered = 0;
   for (const SummaryCell& c : s.cells) {
@@ -71,11 +71,7 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
     table.columns.push_back({"answered (%)", "answered_percent"});
   else
     for (auto& row : table.rows) row.pop_back();
-  if (s.left_out()) table.notes.push_back(truth_note(s));
-  add_notes(table, "best_in_bold");
-  table.notes.push_back(interval_note(s));
-  add_coverage_note(s, condition, alignment, table);
-  add_take_notes(s, table);
+  add_error_notes(s, condition, alignment, "best_in_bold", table);
   return table;
 }
 
