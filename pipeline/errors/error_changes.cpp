@@ -13,13 +13,6 @@
 namespace trilat {
 namespace {
 
-// In the order of their names: the same people may come in another order of takes.
-std::vector<std::string> participants_of(const ResultsSummary& s) {
-  std::set<std::string> names;
-  for (const TakeJointRow& row : s.by_take) names.insert(row.participant);
-  return {names.begin(), names.end()};
-}
-
 // The errors of a summary by participant.
 class ErrorsByParticipant {
  public:
@@ -77,6 +70,12 @@ void pad(std::vector<WeightedRatio>& ratios, std::size_t before, std::size_t beh
 }
 
 }  // namespace
+
+std::vector<std::string> participants_of(const ResultsSummary& summary) {
+  std::set<std::string> names;
+  for (const TakeJointRow& row : summary.by_take) names.insert(row.participant);
+  return {names.begin(), names.end()};
+}
 
 std::optional<ErrorChanges> changes_between(const ResultsSummary& before, const ResultsSummary& after) {
   if (before.alignments.front() != after.alignments.front() || before.truth != after.truth)

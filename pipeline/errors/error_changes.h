@@ -3,11 +3,16 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "datasets/results/summary.h"
 
 namespace trilat {
+
+// The participants of whom there are errors, in the order of their names: the same people may come in another
+// order of takes.
+std::vector<std::string> participants_of(const ResultsSummary& summary);
 
 // What changed from one accuracy result to another, for the conditions, methods and groups of both and the
 // average of the groups, under their first alignment: Student's t between participants, of the differences of

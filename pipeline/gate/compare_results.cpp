@@ -193,6 +193,13 @@ void sort_findings(std::vector<GateFinding>& findings) {
   });
 }
 
+// The summary with the errors of these takes alone.
+ResultsSummary summary_of(ResultsSummary summary, const std::vector<std::string>& takes) {
+  std::erase_if(summary.by_take,
+                [&](const TakeJointRow& row) { return std::ranges::find(takes, row.take) == takes.end(); });
+  return summary;
+}
+
 // Of an accuracy summary, what the takes' errors do not judge.
 Json told_numbers(const Json& summary) {
   Json told = Json::object();
@@ -303,20 +310,25 @@ class Comparison {
     const auto add_note = [&](const std::string& text) {
       verdict.note += (verdict.note.empty() ? "" : "; ") + text;
     };
-    if (!takes.other.empty())
-      add_note(fmt::format("other recordings of {} take{}{}", takes.other.size(),
-                           takes.other.size() == 1 ? "" : "s",
-                           takes.same.empty() ? "" : ", which are left out: " + takes.other.front()));
     if (!takes.one_sided.empty())
       add_note(fmt::format("{} take{} only one side has, {}", takes.one_sided.size(),
                            takes.one_sided.size() == 1 ? " that" : "s that", takes.one_sided.front()));
-    if (!takes.same.empty()) {
-      compare_takes(pair.now.name, before, now, takes.same, limits_, report_);
+    if (!takes.same.empty()) compare_takes(pair.now.name, before, now, takes.same, limits_, report_);
+    if (!takes.other.empty()) {
+      add_note(fmt::format("other recordings of {} take{}, {}", takes.other.size(),
+                           takes.other.size() == 1 ? "" : "s", takes.other.front()));
+      compare_others(pair.now.name, takes.same.empty() ? before : summary_of(before, takes.other),
+                     takes.same.empty() ? now : summary_of(now, takes.other), verdict, add_note);
+    } else {
       compare_numbers(pair.now.name, told_numbers(pair.before.summary), told_numbers(pair.now.summary), false,
                       limits_, report_);
-      return;
     }
-    const std::uint64_t participants = std::min(before.participants, now.participants);
+  }
+
+  // Judges takes of other recordings between participants; not judged where these are too few.
+  void compare_others(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+                      StudyVerdict& verdict, const auto& add_note) {
+    const std::size_t participants = std::min(participants_of(before).size(), participants_of(now).size());
     if (participants < kFewestJudged) {
       verdict.state = StudyState::not_judged;
       verdict.participants = participants;
@@ -324,7 +336,7 @@ class Comparison {
                            kFewestJudged));
       return;
     }
-    const double found_percent = compare_people(pair.now.name, before, now, limits_, report_);
+    const double found_percent = compare_people(study, before, now, limits_, report_);
     if (std::isfinite(found_percent))
       add_note(
           fmt::format("judged between {} participants: a method's average that is {:.0f} % worse would "

@@ -9,11 +9,12 @@ namespace trilat {
 
 // Compares each study that both folders have. Where takes have the same recordings, computing is
 // deterministic and there is no chance: an alarm is a mean error that grew, answers that fell, or a take that
-// lost a tenth of its answers, each by more than its limit; all other numbers that changed are told. Where
-// recordings differ, a mean error is judged by Student's t between participants, of eight at least, with the
-// probability of chance by Holm over all studies. Numbers of other kinds of study are an alarm when they
-// change, since nobody says whether more is better. Settings that differ are named, and the numbers are
-// compared all the same. InputError when a side holds no results, or they have no study in common.
+// lost a tenth of its answers, each by more than its limit; all other numbers that changed are listed. Takes
+// of other recordings are judged by Student's t of the mean error between their participants, eight at least,
+// with the probability of chance by Holm over all studies; of fewer the study is not judged, whatever its
+// other takes say. Numbers of other kinds of study are an alarm when they change, since more may be better or
+// worse. Settings that differ are named, and the numbers are compared all the same. InputError when a side
+// holds no results, or they have no study in common.
 GateReport compare_results(const std::filesystem::path& results, const std::filesystem::path& baseline,
                            const GateLimits& limits = {});
 

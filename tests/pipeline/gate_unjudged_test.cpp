@@ -58,5 +58,49 @@ TEST(GateUnjudged, OtherRecordingsOfTenParticipantsAreJudged) {
                                         HasSubstr("judged between 10 participants"), HasSubstr("chance")));
 }
 
+// Two of ten takes were recorded again and are worse: the eight others do not make the night quiet.
+TEST(GateUnjudged, FewTakesOfOtherRecordingsAreNotQuietBesideOthersThatAre) {
+  MadeStudy study;
+  Nights nights(study, {});
+  study.input_sha256 = "11";
+  study.same_takes = 8;
+  write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+    if (s.take >= 8) s.error_m *= s.take == 8 ? 1.8 : 2.2;
+  });
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 3) << ended.out;
+  EXPECT_THAT(ended.out, testing::AllOf(testing::StartsWith("NOT JUDGED: 2 participants in walks"),
+                                        HasSubstr("other recordings of 2 takes, p8-walking")));
+}
+
+// Among the takes whose recordings are the same an error grew: that is an alarm, whatever the others say.
+TEST(GateUnjudged, TakesOfTheSameRecordingsAreJudgedBesideOthers) {
+  MadeStudy study;
+  Nights nights(study, {});
+  study.input_sha256 = "11";
+  study.same_takes = 8;
+  write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+    if (s.take < 8 && s.method == 1) s.error_m *= 1.03;
+  });
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_THAT(ended.out, testing::StartsWith("REGRESSION: walks, nonlinear, walking"));
+}
+
+// Nine of ten were recorded again, all of them worse by about a third: judged between these nine.
+TEST(GateUnjudged, ManyTakesOfOtherRecordingsAreJudgedBesideOneThatIsTheSame) {
+  MadeStudy study;
+  Nights nights(study, {});
+  study.input_sha256 = "11";
+  study.same_takes = 1;
+  write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+    if (s.take > 0 && s.method == 1) s.error_m *= 1.3 + 0.02 * static_cast<double>(s.take % 4);
+  });
+  const Ended ended = nights.gate();
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_THAT(ended.out, testing::AllOf(testing::StartsWith("REGRESSION: walks, nonlinear, walking"),
+                                        HasSubstr("judged between 9 participants")));
+}
+
 }  // namespace
 }  // namespace trilat

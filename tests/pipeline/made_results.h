@@ -33,6 +33,7 @@ struct MadeStudy {
   bool simulated = true;
   std::uint64_t seed = 1;
   std::string input_sha256 = "00";
+  std::size_t same_takes = 0;  // so many of the first keep the hash "00"
   std::uint64_t takes_failed = 0;
 };
 
@@ -73,7 +74,9 @@ inline void write_made_manifest(const std::filesystem::path& folder, const MadeS
                      {"mocap_start_host_ns", 7},
                      {"instants", study.instants}});
     items["takes/" + name + "-walking"] = "key" + std::to_string(p);
-    inputs.push_back({{"take", name + "-walking"}, {"role", "session"}, {"sha256", study.input_sha256}});
+    inputs.push_back({{"take", name + "-walking"},
+                      {"role", "session"},
+                      {"sha256", p < study.same_takes ? "00" : study.input_sha256}});
   }
   const Json json{
       {"format", "trilat.manifest"},
