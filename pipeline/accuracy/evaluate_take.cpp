@@ -16,7 +16,6 @@
 #include "pipeline/accuracy/take/solve_block.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_rays.h"
-#include "pipeline/accuracy/take/tracking_check.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
@@ -146,9 +145,8 @@ std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& plan
 
 // What the sensors say with none left out.
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  TakeTracking tracking = check_tracking(plan, planned, data);
-  tracking.rays = rays_of(plan, planned, data);
-  tracking.corrections = correction_rows(plan, planned, data);
+  TakeTracking tracking{data.checks, data.clock, rays_of(plan, planned, data)};
+  tracking.clock.take = planned.take.id;
   return tracking;
 }
 
@@ -295,7 +293,6 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
                                 recorded.truth.get(), std::nullopt, watch.stop_requested);
   result.tracking = tracking_of(plan, planned, all);
   result.notes = all.notes;
-  append(result.notes, correction_notes(planned, result.tracking.corrections));
   if (leaves_out) append(result.notes, notes_on_silent(plan, planned, all));
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
   TakeProgress progress(plan, take, file.head().tracks.size(), watch);

@@ -10,6 +10,7 @@
 #include "datasets/base/version.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/take_checks.h"
 #include "pipeline/accuracy/take/take_rays.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/parallel.h"
@@ -90,10 +91,8 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                      .points = std::vector<FusedPoint>(data.time.size() * plan.joints.size()),
                      .sensors = method.sensors.empty() ? plan.rig : method.sensors,
                      .rays = rays_of(plan, plan.takes[0], data),
-                     .corrections = correction_rows(plan, plan.takes[0], data),
+                     .checks = data.checks,
                      .notes = data.notes};
-  for (TakeNote& note : correction_notes(plan.takes[0], fused.corrections))
-    fused.notes.push_back(std::move(note));
   if (is_over_time(plan.methods[0]))
     solve_paths(plan, data, watch, fused);
   else
@@ -115,7 +114,7 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   const TakeData data = load_take(plan, planned, watch.stop_requested);
   if (!data.shown.problem.empty())
     throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
-  CorrectedCalibration result{read_calibration(calibration), correction_rows(plan, planned, data),
+  CorrectedCalibration result{read_calibration(calibration), check_poses(plan, planned, data).rows,
                               data.notes};
   Calibration& corrected = result.calibration;
   corrected.method = "corrected by bodies";

@@ -30,7 +30,7 @@ struct FusedSession {
   std::vector<FusedPoint> points;  // instants times joints; a position that no sensor gives is NaN
   std::vector<std::string> sensors;
   RayRow rays;
-  std::vector<CorrectionRow> corrections;  // of methods whose calibration is estimated
+  std::vector<CheckRow> checks;
   std::vector<TakeNote> notes;
   double answered = 0.0;  // share of instants and joints
 
@@ -48,7 +48,7 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
 // when they tell nothing, and as fuse_session().
 struct CorrectedCalibration {
   Calibration calibration;
-  std::vector<CorrectionRow> corrections;
+  std::vector<CheckRow> checks;  // of the poses
   std::vector<TakeNote> notes;
 };
 CorrectedCalibration correct_calibration(const std::filesystem::path& session,

@@ -14,25 +14,16 @@
 
 namespace trilat {
 
-// How many of one sensor's views of one joint group one rule rejects, over all takes of a condition. `rule`
-// is "inferred" (the tracker's own word), "crossed, printed", "crossed, corrected", or "method: " and the
-// name of a method, whose rejections among the sensors it may use are counted then.
-struct ViewRow {
-  std::string condition, sensor, group, rule;
-  std::uint64_t views = 0;     // instants and joints that the sensor gives a position for
-  std::uint64_t rejected = 0;  // of them
+// One number that a take was checked by. `what`, with its unit, is one of those that FORMATS.md lists; beyond
+// its limit a note of the take names it, with the remedy.
+struct CheckRow {
+  std::string take = {}, subject = {};                          // a sensor, a joint, "mocap" or "all"
+  std::string what = {}, unit = {};                             // "m", "s", "rad", or "1" of a ratio
+  double value = kNoNumber, low = kNoNumber, high = kNoNumber;  // 95 %, where that is known
+  double limit = kNoNumber;
+  bool beyond = false;
 
-  TRILAT_FIELDS(condition, sensor, group, rule, views, rejected)
-};
-
-// Exchanges of left and right by one sensor that were found.
-struct ExchangeRow {
-  std::string condition, sensor;
-  std::uint64_t instants = 0;  // with a body
-  std::uint64_t found = 0;     // of them
-  std::uint64_t stretches = 0;
-
-  TRILAT_FIELDS(condition, sensor, instants, found, stretches)
+  TRILAT_FIELDS(take, subject, what, unit, value, low, high, limit, beyond)
 };
 
 // The offset between mocap and sensors that the motion of one take shows: mocap time = stated + offset. It
@@ -60,21 +51,6 @@ struct RayRow {
   TRILAT_FIELDS(take, rows, problem, range_m, bearing_m, ratio, ratio_low, ratio_high)
 };
 
-// What one take shows of how a sensor stands and measures beside its calibration: how far it is turned and
-// shifted, and by how much its ranges are too long, with 95 % intervals. `problem` says why there are no
-// numbers.
-struct CorrectionRow {
-  std::string take, sensor;
-  std::string problem = {};
-  double turned_rad = kNoNumber, turned_low_rad = kNoNumber, turned_high_rad = kNoNumber;
-  double shifted_m = kNoNumber, shifted_low_m = kNoNumber, shifted_high_m = kNoNumber;
-  double too_long_m = kNoNumber, too_long_low_m = kNoNumber, too_long_high_m = kNoNumber;
-  double stated_turn_rad = kNoNumber, stated_shift_m = kNoNumber;  // standard deviations of the calibration
-
-  TRILAT_FIELDS(take, sensor, problem, turned_rad, turned_low_rad, turned_high_rad, shifted_m, shifted_low_m,
-                shifted_high_m, too_long_m, too_long_low_m, too_long_high_m, stated_turn_rad, stated_shift_m)
-};
-
 // How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in
 // turn: mean distances along its ray and across, and the mean with its sign along the ray; how much its bones
 // change their lengths in a take (standard deviation), and the mean jerk of its joints. 95 % intervals with
@@ -95,14 +71,12 @@ struct TrackingSummary {
   std::string study;
   bool simulated = false;
   bool repaired = false;  // exchanges that were found were undone
-  std::vector<ViewRow> views;
-  std::vector<ExchangeRow> exchanges;
-  std::vector<ClockRow> clocks;
+  std::vector<CheckRow> checks = {};
+  std::vector<ClockRow> clocks = {};
   std::vector<RayRow> rays = {};
-  std::vector<CorrectionRow> corrections = {};  // of studies in which a method asks
   std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
 
-  TRILAT_FIELDS(study, simulated, repaired, views, exchanges, clocks, rays, corrections, predictions)
+  TRILAT_FIELDS(study, simulated, repaired, checks, clocks, rays, predictions)
 };
 
 }  // namespace trilat

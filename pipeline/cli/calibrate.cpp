@@ -213,7 +213,7 @@ std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments
 struct Calibrated {
   Calibration calibration;
   std::vector<SensorEvidence> evidence;
-  std::vector<CorrectionRow> corrections = {};
+  std::vector<CheckRow> checks = {};
   std::vector<std::string> notes = {};
 };
 
@@ -224,7 +224,7 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
         correct_calibration(arguments.sessions[0], arguments.from, {stop_requested, {}});
     std::vector<std::string> notes;
     for (const TakeNote& note : result.notes) notes.push_back(note.place + ": " + note.text);
-    return {std::move(result.calibration), {}, std::move(result.corrections), std::move(notes)};
+    return {std::move(result.calibration), {}, std::move(result.checks), std::move(notes)};
   }
   if (arguments.method == "bodies") {
     BodyCalibration result = calibrate_bodies(arguments.sessions[0], {.stop_requested = stop_requested});
@@ -247,7 +247,7 @@ int calibrate(const CalibrateArguments& arguments) {
   write_calibration(arguments.output, outcome.calibration);
   for (const std::string& note : outcome.notes) fmt::print(stderr, "note: {}\n", note);
   if (!arguments.json)
-    for (const CorrectionRow& row : outcome.corrections) fmt::print("{}\n", correction_text(row));
+    for (const std::string& line : pose_lines(outcome.checks)) fmt::print("{}\n", line);
   print_calibration(outcome.calibration, outcome.evidence, arguments.output, arguments.json);
   return kDone;
 }

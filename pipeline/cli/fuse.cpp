@@ -66,7 +66,7 @@ int fuse(const FuseArguments& a) {
                                       {"sensors", fused.sensors},
                                       {"answered", fused.answered},
                                       {"rays", json_of(fused.rays)},
-                                      {"corrections", json_of(fused.corrections)}},
+                                      {"checks", json_of(fused.checks)}},
                                  2));
     return fused.answered > 0.0 ? kDone : kItemsFailed;
   }
@@ -74,7 +74,8 @@ int fuse(const FuseArguments& a) {
   fmt::print("{}: {} joints at {} instants ({:g} Hz) by {} from {}; {:.1f} % answered\n{}\n",
              a.output.string(), fused.joints.size(), fused.instants(), fused.rate_hz, a.method,
              fmt::join(fused.sensors, ", "), 100.0 * fused.answered, ray_text(fused.rays));
-  for (const CorrectionRow& row : fused.corrections) fmt::print("{}\n", correction_text(row));
+  if (method.calibration_is_estimated)
+    for (const std::string& line : pose_lines(fused.checks)) fmt::print("{}\n", line);
   if (fused.answered > 0.0) return kDone;
   fmt::print(
       stderr,

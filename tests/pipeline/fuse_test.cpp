@@ -60,7 +60,7 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
       run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", trc, "--rate-hz", "15"});
   EXPECT_EQ(markers.code, 0) << markers.err;
   EXPECT_THAT(markers.out, HasSubstr("cm along their rays and"));
-  EXPECT_THAT(markers.out, HasSubstr("k2: turned by 0."));
+  EXPECT_THAT(markers.out, HasSubstr("k2, beside its calibration: turned by 0."));
   EXPECT_THAT(read_file(trc), HasSubstr("15\t15\t"));
   EXPECT_THAT(read_file(trc), HasSubstr("Frame#\tTime\tspine_base\t"));
   EXPECT_EQ(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv}).code, 0);
@@ -101,7 +101,7 @@ TEST(Fuse, ACalibrationIsCorrectedByTheBodies) {
       run_trilat(folder, {"calibrate", take.session.string(), "--method", "bodies", "--from",
                           (folder / "stated.json").string(), "-o", (folder / "new.json").string()});
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.out, HasSubstr("k2: turned by "));
+  EXPECT_THAT(ended.out, HasSubstr("k2, beside its calibration: turned by "));
   const Calibration corrected = read_calibration(folder / "new.json");
   EXPECT_EQ(corrected.method, "corrected by bodies");
   EXPECT_EQ(corrected.sources.size(), 2u);

@@ -75,9 +75,11 @@ TEST(TakeRays, ATurnedSensorIsFoundAndTakenAway) {
   EXPECT_GT(error_m(turned, "mean"), error_m(straight, "mean") + 0.01);
   EXPECT_LT(error_m(turned, "corrected"), error_m(straight, "corrected") + 0.005);
   EXPECT_LT(error_m(turned, "range_bearing"), error_m(straight, "range_bearing") + 0.005);
-  const std::vector<CorrectionRow> rows = read_beside<TrackingSummary>(folder / "turned")->corrections;
+  std::vector<CheckRow> rows = read_beside<TrackingSummary>(folder / "turned")->checks;
+  std::erase_if(rows, [](const CheckRow& row) { return row.what != "turned"; });
   ASSERT_EQ(rows.size(), calibration.sensors.size());
-  EXPECT_NEAR(rows[1].turned_rad, 0.07, 0.02);
+  EXPECT_NEAR(rows[1].value, 0.07, 0.02);
+  EXPECT_TRUE(rows[1].beyond);
   EXPECT_THAT(turned.notes, Contains(Field(&TakeNote::text, HasSubstr("is turned by "))));
   EXPECT_THAT(straight.notes, Not(Contains(Field(&TakeNote::text, HasSubstr("is turned by ")))));
 }

@@ -81,6 +81,7 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   add(accuracy_tables(s), Table::Shown::detail);
   add(apart_tables(s), Table::Shown::file);
   if (tracking) add(tracking_tables(*tracking), Table::Shown::detail);
+  if (tracking && !tracking->checks.empty()) add({checks_table(*tracking)}, Table::Shown::file);
   return shown;
 }
 

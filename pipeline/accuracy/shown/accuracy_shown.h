@@ -58,12 +58,15 @@ std::vector<Table> agreement_tables(const StudyErrors& errors);
 std::vector<Table> angle_tables(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 std::vector<Figure> angle_figures(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 
-// The tables on how the sensors tracked: the views that each rule rejects, by joint and by sensor;
-// exchanges of left and right; the clocks' offset by motion. Tables without rows are left out.
+// The tables on how the sensors tracked: the clocks' offset by motion, how sensors disagree, predictions.
+// Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);
 
-// One sensor's correction in a line.
-std::string correction_text(const CorrectionRow& row);
+// Everything that takes were checked by.
+Table checks_table(const TrackingSummary& summary);
+
+// How each sensor is turned, shifted and measures beside its calibration, a line a sensor.
+std::vector<std::string> pose_lines(const std::vector<CheckRow>& checks);
 
 // How well each method predicts the joints that a left-out sensor sees. No table when the study leaves none
 // out.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-#include <functional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,54 +16,15 @@ std::string data_text(const TrackingSummary& s) {
   return fmt::format("{}, {} sensors", s.study, s.simulated ? "simulated" : "recorded");
 }
 
-// Rows that have `name` in common are added up, in the order of their first.
-std::vector<ViewRow> sum_views(const std::vector<ViewRow>& views,
-                               const std::function<std::string(const ViewRow&)>& name) {
-  std::vector<ViewRow> sums;
-  for (const ViewRow& row : views) {
-    auto sum = std::ranges::find_if(sums, [&](const ViewRow& other) {
-      return other.condition == row.condition && other.rule == row.rule && name(other) == name(row);
-    });
-    if (sum == sums.end()) {
-      sums.push_back(row);
-      continue;
-    }
-    sum->views += row.views;
-    sum->rejected += row.rejected;
-  }
-  return sums;
-}
-
-Table views_table(const TrackingSummary& s, const std::string& by,
-                  const std::function<std::string(const ViewRow&)>& name) {
-  using R = ViewRow;
-  Table table = table_of<R>(usable_id("views-" + by),
-                            fmt::format("Which views are rejected, by {} ({})", by, data_text(s)),
-                            sum_views(s.views, name),
-                            {{"condition", "condition", as_text(&R::condition)},
-                             {by, by, as_text(name)},
-                             {"rule", "rule", as_text(&R::rule)},
-                             {"views", "views", as_count(&R::views)},
-                             {"rejected (%)", "rejected_percent",
-                              in_percent([](const R& r) { return share_of(r.rejected, r.views); })}});
-  add_notes(table, "views");
-  return table;
-}
-
-Table exchanges_table(const TrackingSummary& s) {
-  using R = ExchangeRow;
-  Table table = table_of<R>(
-      "exchanges",
-      fmt::format("Left and right exchanged by a sensor ({}); exchanges that were found were {}",
-                  data_text(s), s.repaired ? "undone" : "left as they were"),
-      s.exchanges,
-      {{"condition", "condition", as_text(&R::condition)},
-       {"sensor", "sensor", as_text(&R::sensor)},
-       {"instants", "instants", as_count(&R::instants)},
-       {"found (%)", "found_percent", in_percent([](const R& r) { return share_of(r.found, r.instants); })},
-       {"stretches found", "stretches", as_count(&R::stretches)}});
-  add_notes(table, "exchanges");
-  return table;
+struct ShownUnit {
+  double factor;  // from SI
+  const char* name;
+  int decimals;
+};
+ShownUnit shown_unit(const std::string& unit) {
+  if (unit == "m") return {kCentimetresPerMetre, "cm", 2};
+  if (unit == "rad") return {kDegreesPerRad, "degrees", 2};
+  return {1.0, unit == "1" ? "ratio" : "s", 3};
 }
 
 Table clocks_table(const TrackingSummary& s) {
@@ -101,25 +62,6 @@ Table rays_table(const TrackingSummary& s) {
   return table;
 }
 
-Table corrections_table(const TrackingSummary& s) {
-  using R = CorrectionRow;
-  Table table = table_of<R>(
-      "corrections", fmt::format("How sensors stand and measure beside their calibration ({})", data_text(s)),
-      s.corrections,
-      {{"take", "take", as_text(&R::take)},
-       {"sensor", "sensor", as_text(&R::sensor)},
-       {"turned (degrees)", "turned_deg",
-        as_number(1, kDegreesPerRad, &R::turned_rad, &R::turned_low_rad, &R::turned_high_rad)},
-       {"stated (degrees)", "stated_turn_deg", as_number(1, kDegreesPerRad, &R::stated_turn_rad)},
-       {"shifted (cm)", "shifted_cm", in_cm(&R::shifted_m, &R::shifted_low_m, &R::shifted_high_m)},
-       {"stated (cm)", "stated_shift_cm", as_number(1, kCentimetresPerMetre, &R::stated_shift_m)},
-       {"ranges too long (cm)", "too_long_cm",
-        in_cm(&R::too_long_m, &R::too_long_low_m, &R::too_long_high_m)},
-       {"", "problem", as_text(&R::problem)}});
-  add_notes(table, "corrections");
-  return table;
-}
-
 Table predictions_table(const TrackingSummary& s) {
   using R = PredictionRow;
   Table table = table_of<R>("predictions",
@@ -146,14 +88,8 @@ std::vector<Table> prediction_tables(const TrackingSummary& s) {
 
 std::vector<Table> tracking_tables(const TrackingSummary& s) {
   std::vector<Table> tables;
-  if (!s.views.empty()) {
-    tables.push_back(views_table(s, "joint", [](const ViewRow& row) { return row.group; }));
-    tables.push_back(views_table(s, "sensor", [](const ViewRow& row) { return row.sensor; }));
-  }
-  if (!s.exchanges.empty()) tables.push_back(exchanges_table(s));
   if (!s.clocks.empty()) tables.push_back(clocks_table(s));
   if (!s.rays.empty()) tables.push_back(rays_table(s));
-  if (!s.corrections.empty()) tables.push_back(corrections_table(s));
   for (Table& table : prediction_tables(s)) tables.push_back(std::move(table));
   return tables;
 }
@@ -166,16 +102,43 @@ std::string ray_text(const RayRow& row) {
       row.ratio_high);
 }
 
-std::string correction_text(const CorrectionRow& row) {
-  if (!row.problem.empty()) return fmt::format("{}: as calibrated, {}", row.sensor, row.problem);
-  const auto text = [](double factor, double value, double low, double high) {
-    return fmt::format("{:.1f} ({:.1f} to {:.1f})", factor * value, factor * low, factor * high);
-  };
-  return fmt::format(
-      "{}: turned by {} degrees, shifted by {} cm, ranges too long by {} cm, beside its calibration",
-      row.sensor, text(1.0 / kRadPerDegree, row.turned_rad, row.turned_low_rad, row.turned_high_rad),
-      text(kCentimetresPerMetre, row.shifted_m, row.shifted_low_m, row.shifted_high_m),
-      text(kCentimetresPerMetre, row.too_long_m, row.too_long_low_m, row.too_long_high_m));
+Table checks_table(const TrackingSummary& s) {
+  Table table{"checks",
+              fmt::format("What each take was checked by ({})", data_text(s)),
+              {{"take", "take", true},
+               {"sensor or joint", "subject", true},
+               {"check", "what", true},
+               {"value", "value", false, true},
+               {"limit", "limit"},
+               {"unit", "unit", true},
+               {"beyond", "beyond", true}},
+              {},
+              {}};
+  for (const CheckRow& row : s.checks) {
+    const ShownUnit unit = shown_unit(row.unit);
+    table.rows.push_back(
+        {TableValue::of(row.take), TableValue::of(row.subject), TableValue::of(row.what),
+         number_cell(unit.decimals, unit.factor * row.value, unit.factor * row.low, unit.factor * row.high),
+         TableValue::of(unit.factor * row.limit, unit.decimals), TableValue::of(std::string(unit.name)),
+         TableValue::of(std::string(row.beyond ? "yes" : "no"))});
+  }
+  add_notes(table, "checks");
+  return table;
+}
+
+std::vector<std::string> pose_lines(const std::vector<CheckRow>& checks) {
+  std::vector<std::string> lines;
+  std::string sensor;
+  for (const CheckRow& row : checks) {
+    if (row.what != "turned" && row.what != "shifted" && row.what != "ranges too long") continue;
+    const ShownUnit unit = shown_unit(row.unit);
+    if (row.subject != sensor) lines.push_back(row.subject + ", beside its calibration:");
+    lines.back() +=
+        fmt::format("{} {} by {:.1f} ({:.1f} to {:.1f}) {}", row.subject == sensor ? "," : "", row.what,
+                    unit.factor * row.value, unit.factor * row.low, unit.factor * row.high, unit.name);
+    sensor = row.subject;
+  }
+  return lines;
 }
 
 }  // namespace trilat

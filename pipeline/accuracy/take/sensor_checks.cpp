@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "evaluators/alignment/alignment.h"
 #include "evaluators/metrics/quantiles.h"
-#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/movement_lag.h"
+#include "pipeline/accuracy/take/take_checks.h"
 
 namespace trilat {
 namespace {
@@ -28,11 +25,8 @@ constexpr double kApart_m = 0.3,
                  kLeastShare = 0.4;  // exchanged back, at most this share of the distances is left
 constexpr double kMoved_m = 0.15;
 constexpr double kMovement_s = 0.1;  // to both sides
-// Of the clocks: the offset; how far is looked; the correlation of the movements; and by how much the part of
-// the movements that does not agree is larger without the offset.
-constexpr double kClock_s = 0.1, kClockSearch_s = 1.0, kLeastCorrelation = 0.5, kDisagreementWithout = 1.1;
-constexpr std::size_t kClockBlocks = 8;  // of time, each left out in turn for the offset's uncertainty
-constexpr double kClockSigmas = 2.0, kClockSurely_s = 0.05;  // the offset less its uncertainty is larger
+constexpr double kClock_s = 0.1, kClockSigmas = 2.0;
+constexpr double kClockSurely_s = 0.05;  // a lag less its uncertainty is larger
 constexpr double kOneRange = 0.08, kAllRanges = 0.04;
 constexpr double kSigmas = 3.0;         // and so many standard deviations over the sensors
 constexpr double kLeastCrossing = 0.3;  // of the rays at a joint: 0 when all are parallel
@@ -52,9 +46,9 @@ const Eigen::Vector3d& no_point() {
   return none;
 }
 
-class SensorChecks {
+class SensorChecker {
  public:
-  SensorChecks(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies)
+  SensorChecker(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies)
       : plan_(plan), planned_(planned), bodies_(bodies), sensors_(bodies.sensors()) {
     for (const Joint joint : plan.joints)
       if (joint <= mirror_of(joint) || std::ranges::find(plan.joints, mirror_of(joint)) == plan.joints.end())
@@ -68,20 +62,19 @@ class SensorChecks {
   }
 
   // What is found first explains what would be found next: sensors that are named are left out from then on.
-  SensorFindings run() {
+  SensorChecks run() {
     find_same_streams();
     find_mirrored();
     place_all();
     if (find_exchanged_poses()) {
-      findings_.misplaced = true;
+      checks_.misplaced = true;
     } else {
       find_clocks();  // a sensor that is late sees the person elsewhere: before the poses
       find_poses();
       find_moved();
       find_scales();
     }
-    findings_.checked = true;
-    return std::move(findings_);
+    return std::move(checks_);
   }
 
  private:
@@ -95,8 +88,20 @@ class SensorChecks {
   }
   const std::string& name(std::size_t s) const { return plan_.rig[s]; }
   void leave_out(std::size_t s) { std::erase(sound_, s); }
+  CheckRow row(std::size_t s, const char* what, const char* unit, double value, double limit) const {
+    return {.take = planned_.take.id,
+            .subject = name(s),
+            .what = what,
+            .unit = unit,
+            .value = value,
+            .limit = limit};
+  }
+  void add(const CheckRow& row, bool beyond) {
+    checks_.rows.push_back(row);
+    checks_.rows.back().beyond = beyond;
+  }
   void note(const std::filesystem::path& place, std::string text) {
-    findings_.notes.push_back({planned_.take.id, false, place.string(), std::move(text)});
+    checks_.notes.push_back({planned_.take.id, false, place.string(), std::move(text)});
   }
   void note_session(std::string text) { note(planned_.take.session, std::move(text)); }
   void note_calibration(std::string text) { note(planned_.take.calibration, std::move(text)); }
@@ -126,7 +131,9 @@ class SensorChecks {
   void find_same_streams() {
     for (std::size_t b = 1; b < sensors_; ++b)
       for (std::size_t a = 0; a < b; ++a) {
-        if (!(raw_distance_m(a, b) < kSameStream_m)) continue;
+        const double apart_m = raw_distance_m(a, b);
+        if (!(apart_m < kSameStream_m)) continue;
+        add(row(b, "same stream", "m", apart_m, kSameStream_m), true);
         note_session(
             fmt::format("{} and {} hold the same bodies: one stream was recorded twice; leave one out with "
                         "\"sensors\" in the study, and record again",
@@ -156,6 +163,7 @@ class SensorChecks {
     const bool either = sound_.size() == 2;
     if (either) mirrored.resize(1);
     for (const std::size_t s : mirrored) {
+      add(row(s, "mirrored", "1", mirrored_m / plain_m, kMirroredShare), true);
       note_session(
           fmt::format("{} sees the person as in a mirror (laid over each other {:.2f} m apart, mirrored "
                       "{:.2f} m); record without mirroring{}",
@@ -196,6 +204,8 @@ class SensorChecks {
       }
     if (one == other) return false;
     const double pairs = static_cast<double>(sound_.size() * (sound_.size() - 1));
+    for (const std::size_t s : {one, other})
+      add(row(s, "poses exchanged", "1", least_m / as_stated_m.sum(), kLeastShare), true);
     note_calibration(
         fmt::format("has the poses of {} and {} exchanged, it seems: the sensors' views lie {:.2f} m apart, "
                     "and {:.2f} m with both exchanged; mend it",
@@ -225,37 +235,43 @@ class SensorChecks {
     return mean;
   }
 
+  // In the median, from the mean of the other sensors; NaN for too few.
+  double apart_m(std::size_t s) const {
+    const Points others = mean_without(s);
+    std::vector<double> off_m;
+    for (std::size_t k = 0; k < others.size(); ++k)
+      if (const double m = (others[k] - in_world_[s][k]).norm(); std::isfinite(m)) off_m.push_back(m);
+    return off_m.size() < kFewestRows ? kNaN : median_of(off_m);
+  }
+
   // Keeps the sensors that see the person where most others do.
   void find_poses() {
     if (sound_.size() < 2) return;
-    const Eigen::MatrixXd apart_m = distances_m(planned_.world_from_sensor);
-    if (apart_m.maxCoeff() < kApart_m) return;
-    Eigen::Index centre = 0;
-    (apart_m.array() < kApart_m).rowwise().count().maxCoeff(&centre);
-    std::vector<std::size_t> far;
-    for (Eigen::Index s = 0; s < apart_m.rows(); ++s)
-      if (apart_m(centre, s) >= kApart_m) far.push_back(sound_[static_cast<std::size_t>(s)]);
-    findings_.misplaced = true;
-    if (sound_.size() == 2) {
+    const std::vector<std::size_t> all = sound_;
+    const Eigen::MatrixXd between_m = distances_m(planned_.world_from_sensor);
+    if (between_m.maxCoeff() >= kApart_m) {
+      Eigen::Index centre = 0;
+      (between_m.array() < kApart_m).rowwise().count().maxCoeff(&centre);
+      for (std::size_t s = 0; s < all.size(); ++s)
+        if (between_m(centre, static_cast<Eigen::Index>(s)) >= kApart_m) leave_out(all[s]);
+      checks_.misplaced = true;
+    }
+    for (const std::size_t s : all)
+      add(row(s, "apart", "m", apart_m(s), kApart_m), std::ranges::find(sound_, s) == sound_.end());
+    if (all.size() == 2 && checks_.misplaced) {
       note_calibration(
           fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one of them is wrong; "
                       "calibrate again",
-                      name(sound_[0]), name(sound_[1]), apart_m(0, 1)));
+                      name(all[0]), name(all[1]), between_m(0, 1)));
       sound_.clear();
       return;
     }
-    for (const std::size_t s : far) leave_out(s);
-    for (const std::size_t s : far) {
-      const Points others = mean_without(s);
-      std::vector<double> off_m;
-      for (std::size_t k = 0; k < others.size(); ++k)
-        if (const double m = (others[k] - in_world_[s][k]).norm(); std::isfinite(m)) off_m.push_back(m);
-      if (off_m.size() < kFewestRows) continue;
-      note_calibration(
-          fmt::format("{} sees the person {:.2f} m from where the others do, by the pose it has; calibrate "
-                      "again, or leave it out with \"sensors\" in the study",
-                      name(s), median_of(off_m)));
-    }
+    for (const CheckRow& found : checks_.rows)
+      if (found.what == "apart" && found.beyond && std::isfinite(found.value))
+        note_calibration(
+            fmt::format("{} sees the person {:.2f} m from where the others do, by the pose it has; calibrate "
+                        "again, or leave it out with \"sensors\" in the study",
+                        found.subject, found.value));
   }
 
   // A sensor that was pushed during the take: its view moves against the others'.
@@ -277,11 +293,13 @@ class SensorChecks {
         return count < kFewestRows ? no_point() : Eigen::Vector3d(sum / static_cast<double>(count));
       };
       const double moved_m = (mean_off(others.size() - third, others.size()) - mean_off(0, third)).norm();
+      add(row(s, "moved", "m", moved_m, kMoved_m), false);
       if (!(moved_m > most_m)) continue;
       most_m = moved_m;
       who = s;
     }
     if (who == sensors_) return;
+    for (CheckRow& found : checks_.rows) found.beyond |= found.what == "moved" && found.subject == name(who);
     note_session(fmt::format(
         "{} moved during the take: its view shifts by {:.2f} m against the others' from the first third to "
         "the last; was it pushed? Record again, or leave it out with \"sensors\" in the study",
@@ -289,119 +307,61 @@ class SensorChecks {
     leave_out(who);
   }
 
-  // What some joints move by about each instant, in the world, of all sensors.
-  void find_movements() {
+  // What some joints move by about each instant.
+  Movements movements_of(std::size_t sensor) const {
     const std::size_t instants = std::min(bodies_.instants(), kMostClockInstants);
     const std::size_t first = (bodies_.instants() - instants) / 2;
     const std::size_t step = std::max<std::size_t>(1, joints_.size() / kClockJoints);
     const auto around =
         static_cast<std::size_t>(std::max(1LL, std::llround(kMovement_s * plan_.study.rate_hz)));
-    movement_.resize(sensors_);
-    for (std::size_t s = 0; s < sensors_; ++s)
-      for (std::size_t i = first; i < first + instants; ++i)
-        for (std::size_t j = 0; j < joints_.size(); j += step)
-          movement_[s].push_back(
-              i < first + around || i + around >= first + instants
-                  ? no_point()
-                  : planned_.world_from_sensor[s].rotation *
-                        (middle(i + around, s, joints_[j]) - middle(i - around, s, joints_[j])));
-    movements_ = (joints_.size() + step - 1) / step;
+    Movements movements{{}, (joints_.size() + step - 1) / step};
+    for (std::size_t i = first; i < first + instants; ++i)
+      for (std::size_t j = 0; j < joints_.size(); j += step)
+        movements.moved_m.push_back(
+            i < first + around || i + around >= first + instants
+                ? no_point()
+                : planned_.world_from_sensor[sensor].rotation *
+                      (middle(i + around, sensor, joints_[j]) - middle(i - around, sensor, joints_[j])));
+    return movements;
   }
 
-  // Products of two sensors' movements, summed over one block of time.
-  struct MovementSums {
-    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-    double squares = 0.0, other_squares = 0.0;
-  };
-  using BlockSums = std::array<MovementSums, kClockBlocks>;
-
-  // By lag in instants, the first one `-most`.
-  std::vector<BlockSums> sums_by_lag(std::size_t sensor, std::ptrdiff_t most) const {
-    const Points& own = movement_[sensor];
-    Points others(own.size(), Eigen::Vector3d::Zero());
+  // By how much a sensor shows movements later than the mean of the others.
+  MovementLag lag_of_sensor(const std::vector<Movements>& movements, std::size_t sensor) const {
+    Movements others{Points(movements[sensor].moved_m.size(), Eigen::Vector3d::Zero()),
+                     movements[sensor].joints};
     for (const std::size_t s : sound_)
-      for (std::size_t k = 0; s != sensor && k < own.size(); ++k)
-        if (movement_[s][k].allFinite()) others[k] += movement_[s][k];
-    std::vector<BlockSums> by_lag;
-    for (std::ptrdiff_t lag = -most; lag <= most; ++lag) {
-      BlockSums& sums = by_lag.emplace_back();
-      const auto shift = lag * static_cast<std::ptrdiff_t>(movements_);
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        const std::ptrdiff_t other = static_cast<std::ptrdiff_t>(k) - shift;
-        if (other < 0 || other >= static_cast<std::ptrdiff_t>(own.size())) continue;
-        const Eigen::Vector3d& a = own[k];
-        const Eigen::Vector3d& b = others[static_cast<std::size_t>(other)];
-        if (!a.allFinite() || b.isZero(0.0)) continue;
-        MovementSums& block = sums[k * kClockBlocks / own.size()];
-        block.products += a * b.transpose();
-        block.squares += a.squaredNorm();
-        block.other_squares += b.squaredNorm();
-      }
-    }
-    return by_lag;
-  }
-
-  // `turned`: one sensor's movements turned as they agree best with the others'.
-  static double correlation_of(const BlockSums& blocks, std::size_t without, bool turned = false) {
-    MovementSums sum;
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-      if (b == without) continue;
-      sum.products += blocks[b].products;
-      sum.squares += blocks[b].squares;
-      sum.other_squares += blocks[b].other_squares;
-    }
-    const Eigen::Vector3d singular = sum.products.jacobiSvd().singularValues();
-    const double best = singular[0] + singular[1] + std::copysign(singular[2], sum.products.determinant());
-    return (turned ? best : sum.products.trace()) / std::sqrt(sum.squares * sum.other_squares);
-  }
-
-  // The lag in instants at which the movements correlate best, one block left out; NaN where they do not, or
-  // correlate nearly as well without it, or as well by turning the sensor.
-  static double best_lag(const std::vector<BlockSums>& by_lag, std::ptrdiff_t most, std::size_t without) {
-    std::vector<double> correlation;
-    for (const BlockSums& blocks : by_lag) correlation.push_back(correlation_of(blocks, without));
-    const auto peak =
-        std::ranges::max_element(correlation, [](double a, double b) { return std::isnan(a) || a < b; });
-    const double unshifted = correlation[static_cast<std::size_t>(most)];
-    if (peak == correlation.begin() || peak + 1 >= correlation.end() || !(*peak > kLeastCorrelation) ||
-        !(1.0 - unshifted > kDisagreementWithout * (1.0 - *peak)) ||
-        !(*peak > correlation_of(by_lag[static_cast<std::size_t>(most)], without, true)))
-      return kNaN;
-    const double left = *(peak - 1), right = *(peak + 1);
-    const double between = 0.5 * (left - right) / (left - 2.0 * *peak + right);  // of the parabola
-    return static_cast<double>(peak - correlation.begin() - most) + between;
-  }
-
-  // By how many seconds a sensor shows movements later than the mean of the others; NaN when that is not
-  // surely so.
-  double lag_s(std::size_t sensor) const {
-    const auto most = static_cast<std::ptrdiff_t>(kClockSearch_s * plan_.study.rate_hz);
-    const std::vector<BlockSums> by_lag = sums_by_lag(sensor, most);
-    const double lag = best_lag(by_lag, most, kClockBlocks);
-    double squares = 0.0;
-    for (std::size_t b = 0; b < kClockBlocks; ++b)
-      squares += std::pow(best_lag(by_lag, most, b) - lag, 2);  // NaN where a block decides
-    constexpr double kBlocks = kClockBlocks;
-    const double sigma = std::sqrt((kBlocks - 1.0) / kBlocks * squares);
-    const bool is_sure = (std::abs(lag) - kClockSigmas * sigma) / plan_.study.rate_hz > kClockSurely_s;
-    return is_sure ? lag / plan_.study.rate_hz : kNaN;
+      for (std::size_t k = 0; s != sensor && k < others.moved_m.size(); ++k)
+        if (movements[s].moved_m[k].allFinite()) others.moved_m[k] += movements[s].moved_m[k];
+    return lag_of(movements[sensor], others, plan_.study.rate_hz);
   }
 
   void find_clocks() {
-    if (sound_.size() >= 2) find_movements();
+    std::vector<Movements> movements;
+    for (std::size_t s = 0; s < sensors_; ++s) movements.push_back(movements_of(s));
     while (sound_.size() >= 2) {
-      double most_s = 0.0;
+      std::vector<CheckRow> rows;
+      double most_s = kClock_s;
       std::size_t who = sensors_;
-      for (const std::size_t s : sound_)
-        if (const double late_s = lag_s(s); std::abs(late_s) > std::abs(most_s)) {
-          most_s = late_s;
-          who = s;
-        }
-      if (!(std::abs(most_s) > kClock_s)) return;
+      for (const std::size_t s : sound_) {
+        const auto [lag_s, sigma_s] = lag_of_sensor(movements, s);
+        const double reach_s = kClockSigmas * sigma_s;
+        rows.push_back(row(s, "lag", "s", lag_s, kClock_s));
+        rows.back().low = lag_s - reach_s;
+        rows.back().high = lag_s + reach_s;
+        const bool is_sure = std::abs(lag_s) - reach_s > kClockSurely_s;
+        if (!is_sure || std::abs(lag_s) <= most_s) continue;
+        most_s = std::abs(lag_s);
+        who = s;
+      }
+      for (const CheckRow& found : rows)
+        if (who == sensors_ || found.subject == name(who)) checks_.rows.push_back(found);
+      if (who == sensors_) return;
+      CheckRow& late = checks_.rows.back();
+      late.beyond = true;
       note_session(fmt::format(
           "{} shows movements {:.2f} s {} than {}: is its clock the recording host's? Record again, or leave "
           "it out with \"sensors\" in the study",
-          name(who), std::abs(most_s), most_s > 0.0 ? "later" : "earlier",
+          name(who), most_s, late.value > 0.0 ? "later" : "earlier",
           sound_.size() == 2 ? name(sound_[0] == who ? sound_[1] : sound_[0]) : std::string("the others")));
       leave_out(who);
     }
@@ -454,7 +414,10 @@ class SensorChecks {
       const std::vector<double> others = ratios_without(s);
       if (others.size() < 2 || !std::isfinite(ratio[s])) continue;
       const double usual = median_of(others), off = ratio[s] / usual;
-      if (std::abs(off - 1.0) > std::max(kOneRange, kSigmas * spread_of(others, usual)))
+      const double limit = std::max(kOneRange, kSigmas * spread_of(others, usual));
+      const bool beyond = std::abs(off - 1.0) > limit;
+      add(row(s, "range scale", "1", off, limit), beyond);
+      if (beyond)
         note_session(
             fmt::format("{} measures {}, by where the sensors' rays meet: are its depths in metres, and its "
                         "joints unscaled? Leave it out with \"sensors\" in the study",
@@ -462,13 +425,19 @@ class SensorChecks {
     }
     const std::vector<double> all = ratios_without(sensors_);
     if (all.size() < 2) return;
-    const double middle = median_of(all);
-    const double sigma = spread_of(all, middle) / std::sqrt(static_cast<double>(all.size()));
-    if (std::abs(middle - 1.0) > std::max(kAllRanges, kSigmas * sigma))
+    const double scale = median_of(all);
+    const double reach = kSigmas * spread_of(all, scale) / std::sqrt(static_cast<double>(all.size()));
+    const bool beyond = std::abs(scale - 1.0) > std::max(kAllRanges, reach);
+    CheckRow of_all = row(0, "range scale", "1", scale, kAllRanges);
+    of_all.subject = "all";
+    of_all.low = scale - reach;
+    of_all.high = scale + reach;
+    add(of_all, beyond);
+    if (beyond)
       note_calibration(
           fmt::format("places the sensors too far {}: all measure {}, by where their rays meet; is its "
                       "length right (the wand's, the unit)? Calibrate again",
-                      middle < 1.0 ? "apart" : "together", size_of(middle)));
+                      scale < 1.0 ? "apart" : "together", size_of(scale)));
   }
 
   const Plan& plan_;
@@ -477,17 +446,15 @@ class SensorChecks {
   std::size_t sensors_;
   std::vector<Joint> joints_;                 // those of the middle, and one of each pair
   std::vector<Points> in_sensor_, in_world_;  // by sensor: instants x joints, the middles of both sides
-  std::vector<Points> movement_;              // by sensor: instants x some joints
-  std::size_t movements_ = 0;                 // how many joints these are
   std::vector<std::size_t> sound_;            // of whom nothing bad is known yet
-  SensorFindings findings_;
+  SensorChecks checks_;
 };
 
 }  // namespace
 
-SensorFindings check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies) {
-  if (bodies.sensors() < 2 || bodies.instants() == 0) return {.checked = true};
-  return SensorChecks(plan, planned, bodies).run();
+SensorChecks check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies) {
+  if (bodies.sensors() < 2 || bodies.instants() == 0) return {};
+  return SensorChecker(plan, planned, bodies).run();
 }
 
 }  // namespace trilat

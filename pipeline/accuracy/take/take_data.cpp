@@ -16,6 +16,7 @@
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/take/person_choice.h"
 #include "pipeline/accuracy/take/sensor_track.h"
+#include "pipeline/accuracy/take/take_checks.h"
 #include "pipeline/accuracy/take/take_rays.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
@@ -67,6 +68,11 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, c
         "say \"up_axis\": \"y\" in the take if that is wrong");
   for (std::string& text : oddities_of(truth)) note(std::move(text));
   return notes;
+}
+
+void append(TakeChecks more, TakeData& data) {
+  std::ranges::move(more.rows, std::back_inserter(data.checks));
+  std::ranges::move(more.notes, std::back_inserter(data.notes));
 }
 
 // The chosen person's bodies, or those that are tracked best when nobody is chosen.
@@ -150,23 +156,21 @@ void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const R
 // Chooses the person and takes their bodies at the instants.
 void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
                    const MarkerTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
-  const auto add_notes = [&](const std::vector<TakeNote>& notes) {
-    data.notes.insert(data.notes.end(), notes.begin(), notes.end());
-  };
-  add_notes(notes_on_streams(plan, planned, seen));
+  append({{}, notes_on_streams(plan, planned, seen)}, data);
   if (truth && plan.study.clock == ClockSource::motion)
     place_truth_by_motion(plan, planned, seen, *truth, stop_requested, data);
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
-  SensorFindings findings;
+  std::optional<SensorChecks> checks;
   if (person && !person->sees_several) {
-    findings = check_sensors(plan, planned, follow(plan, seen, nullptr, data.time));
-    if (findings.misplaced && !truth) person.reset();
+    checks = check_sensors(plan, planned, follow(plan, seen, nullptr, data.time));
+    if (checks->misplaced && !truth) person.reset();
   }
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, seen, person ? &*person : nullptr, data.time);
-  if (!findings.checked) findings = check_sensors(plan, planned, data.bodies);
-  add_notes(findings.notes);
+  if (!checks) checks = check_sensors(plan, planned, data.bodies);
+  data.sensor_named = !checks->notes.empty();
+  append(std::move(*checks), data);
   bool any_seen = false;
   for (std::size_t i = 0; i < data.time.size(); ++i)
     for (std::size_t s = 0; s < seen.size(); ++s)
@@ -335,12 +339,16 @@ TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data, c
   repair(plan, planned, left_out, data);
   if (truth) {
     check_clock(plan, planned, *truth, stop_requested, data);
-    for (TakeNote& note : check_truth(plan, planned, data)) data.notes.push_back(std::move(note));
+    append(check_truth(plan, planned, data), data);
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   if (left_out) leave_out(plan, planned, *left_out, data);
   find_occlusions(plan, data);
-  find_corrections(plan, planned, data);
+  if (!left_out || estimates_calibration(plan)) find_corrections(planned, data);
+  if (!left_out) {
+    append({check_sides(plan, planned, data), {}}, data);
+    append(check_poses(plan, planned, data), data);
+  }
   estimate_sigmas(plan, planned, data);
   return data;
 }

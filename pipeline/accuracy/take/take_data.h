@@ -48,11 +48,13 @@ struct TakeData {
   std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
   std::array<OcclusionCounts, kOcclusionRules> occlusions;  // corrected always, the others when asked for
   ClockRow clock;                                           // by motion, when the study asks
-  SelfCalibration shown;                      // what the take shows of its calibration, when a method asks
-  std::vector<RigidTransform> corrected_rig;  // world_from_sensor by it, by rig sensor
+  SelfCalibration shown;                                    // what the take shows of its calibration
+  std::vector<RigidTransform> corrected_rig;                // world_from_sensor by it, by rig sensor
   // Of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan, for the
   // take's first and second half.
   std::array<std::vector<RaySigma>, 2> sigma;
+  std::vector<CheckRow> checks;  // what the take was checked by
+  bool sensor_named = false;     // a note of check_sensors() explains what else sensors seem to show
   std::vector<TakeNote> notes;
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {
@@ -104,21 +106,5 @@ RaySigma sigma_at(const TakeData& data, bool is_corrected, std::size_t instant, 
 
 // How often each sensor's view of the joint is occluded, by each rule; 0 for rules that no method asks for.
 JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint);
-
-// What the sensors of a take say against each other: the same stream twice, a mirrored one, poses that were
-// exchanged or are far off or change during the take, a clock that is off, ranges or positions of another
-// scale. Each note has its size and the remedy; a sound take has none.
-struct SensorFindings {
-  bool checked = false;
-  bool misplaced = false;  // poses are exchanged or far off, so that one person's bodies lie apart
-  std::vector<TakeNote> notes = {};
-};
-// `bodies`: as they were read, before anything is repaired.
-SensorFindings check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
-
-// What the sensors of a take say against its ground truth, however the two worlds lie: another unit, of all
-// or of one joint; joints that are exchanged in the mapping, or far from where they should be. Each note has
-// its size and the remedy; a sound take has none.
-std::vector<TakeNote> check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 }  // namespace trilat

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <map>
 
-#include <fmt/format.h>
-
-#include "datasets/base/units.h"
 #include "datasets/skeleton/skeleton.h"
 #include "evaluators/fusion/ray_variances.h"
 #include "pipeline/study/parallel.h"
@@ -17,9 +14,7 @@ namespace {
 
 constexpr std::size_t kMostRows = 1000;          // instants of single joints that an estimate looks at
 constexpr std::size_t kCorrectionInstants = 30;  // that corrections are found from, of all joints
-// Corrections that a user is told: their interval lies beyond these and beyond what the calibration states.
-constexpr double kNoticedTurn_rad = 0.0175, kNoticed_m = 0.02, kStatedSigmas = 3.0;
-constexpr std::size_t kClusters = 12;  // stretches of time, of equal length
+constexpr std::size_t kClusters = 12;            // stretches of time, of equal length
 
 struct Rows {
   std::vector<JointObservation> observations;
@@ -90,9 +85,11 @@ RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& dat
   return row;
 }
 
-void find_corrections(const Plan& plan, const PlannedTake& planned, TakeData& data) {
-  if (std::ranges::none_of(plan.methods, [](const Method& m) { return m.spec.calibration_is_estimated; }))
-    return;
+bool estimates_calibration(const Plan& plan) {
+  return std::ranges::any_of(plan.methods, [](const Method& m) { return m.spec.calibration_is_estimated; });
+}
+
+void find_corrections(const PlannedTake& planned, TakeData& data) {
   std::vector<JointObservation> observations;
   std::vector<std::uint32_t> joints;
   const std::size_t sensors = planned.world_from_sensor.size();
@@ -108,54 +105,6 @@ void find_corrections(const Plan& plan, const PlannedTake& planned, TakeData& da
   data.corrected_rig.clear();
   for (std::size_t s = 0; s < sensors; ++s)
     data.corrected_rig.push_back(corrected_pose(planned.world_from_sensor[s], data.shown.of_sensor[s]));
-}
-
-std::vector<CorrectionRow> correction_rows(const Plan& plan, const PlannedTake& planned,
-                                           const TakeData& data) {
-  std::vector<CorrectionRow> rows;
-  for (std::size_t s = 0; s < data.shown.of_sensor.size(); ++s) {
-    const CorrectionMagnitudes m = magnitudes_of(data.shown, s);
-    rows.push_back({planned.take.id, plan.rig[s], data.shown.problem, m.turn_rad.value, m.turn_rad.low,
-                    m.turn_rad.high, m.shift_m.value, m.shift_m.low, m.shift_m.high, m.range_m.value,
-                    m.range_m.low, m.range_m.high, planned.poses[s].rotation_sigma_rad,
-                    planned.poses[s].position_sigma_m});
-  }
-  return rows;
-}
-
-std::vector<TakeNote> correction_notes(const PlannedTake& planned, const std::vector<CorrectionRow>& rows) {
-  std::vector<TakeNote> notes;
-  const auto note = [&](std::string text) {
-    notes.push_back({planned.take.id, false, planned.take.calibration.string(), std::move(text)});
-  };
-  if (!rows.empty() && !rows.front().problem.empty())
-    note("is taken as it is: the bodies tell nothing of it, since " + rows.front().problem);
-  for (const CorrectionRow& row : rows) {
-    const auto said = [](double value, const char* unit) {
-      return value > 0.0 ? fmt::format("{:.1f} {}", value, unit) : std::string("no uncertainty");
-    };
-    const auto is_beyond = [](double low, double least, double stated) {
-      return low > std::max(least, kStatedSigmas * stated);
-    };
-    if (is_beyond(row.turned_low_rad, kNoticedTurn_rad, row.stated_turn_rad))
-      note(fmt::format(
-          "{} is turned by {:.1f} degrees ({:.1f} to {:.1f}) according to the bodies; the calibration states "
-          "{}",
-          row.sensor, row.turned_rad / kRadPerDegree, row.turned_low_rad / kRadPerDegree,
-          row.turned_high_rad / kRadPerDegree, said(row.stated_turn_rad / kRadPerDegree, "degrees")));
-    if (is_beyond(row.shifted_low_m, kNoticed_m, row.stated_shift_m))
-      note(fmt::format(
-          "{} is {:.1f} cm away ({:.1f} to {:.1f}) according to the bodies; the calibration states {}",
-          row.sensor, 100.0 * row.shifted_m, 100.0 * row.shifted_low_m, 100.0 * row.shifted_high_m,
-          said(100.0 * row.stated_shift_m, "cm")));
-    const double too_long_m = row.too_long_m > 0.0 ? row.too_long_low_m : -row.too_long_high_m;
-    if (is_beyond(too_long_m, kNoticed_m, 0.0))
-      note(fmt::format("{} measures {:.1f} cm too {} ({:.1f} to {:.1f}) by the bodies", row.sensor,
-                       100.0 * std::abs(row.too_long_m), row.too_long_m > 0.0 ? "far" : "near",
-                       100.0 * too_long_m,
-                       100.0 * std::max(std::abs(row.too_long_low_m), std::abs(row.too_long_high_m))));
-  }
-  return notes;
 }
 
 void estimate_sigmas(const Plan& plan, const PlannedTake& planned, TakeData& data) {

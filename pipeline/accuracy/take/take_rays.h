@@ -10,15 +10,11 @@ namespace trilat {
 // what methods lose and gain by it. Looks at some instants, spread evenly.
 RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
-// What all joints of the body, at instants spread evenly, show of the calibration, when some method's is
-// "estimated".
-void find_corrections(const Plan& plan, const PlannedTake& planned, TakeData& data);
+// Whether some method's calibration is "estimated".
+bool estimates_calibration(const Plan& plan);
 
-// That as rows, one a sensor; none when no method asks. And what a user has to know: that a sensor is off by
-// more than its calibration states, or that nothing could be told.
-std::vector<CorrectionRow> correction_rows(const Plan& plan, const PlannedTake& planned,
-                                           const TakeData& data);
-std::vector<TakeNote> correction_notes(const PlannedTake& planned, const std::vector<CorrectionRow>& rows);
+// What all joints of the body, at instants spread evenly, show of the calibration.
+void find_corrections(const PlannedTake& planned, TakeData& data);
 
 // For methods whose sigma is "estimated": each half of the take gets the sigmas that the other half shows,
 // joint by joint, left and right together. Does nothing when no method asks.

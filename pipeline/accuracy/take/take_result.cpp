@@ -9,6 +9,24 @@
 #include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
+namespace {
+
+TrackingSummary sum_tracking(const Plan& plan, std::span<const TakeResult> takes) {
+  TrackingSummary summary{plan.study.name, plan.simulated, plan.study.repair_exchanges};
+  std::vector<PredictionSums> predictions;
+  for (const TakeResult& take : takes) {
+    const TakeTracking& tracking = take.tracking;
+    std::ranges::copy(tracking.predictions, std::back_inserter(predictions));
+    std::ranges::copy(tracking.checks, std::back_inserter(summary.checks));
+    if (!tracking.clock.status.empty()) summary.clocks.push_back(tracking.clock);
+    if (!tracking.rays.take.empty()) summary.rays.push_back(tracking.rays);
+  }
+  summary.predictions = prediction_rows(predictions);
+  return summary;
+}
+
+}  // namespace
+
 void TakeCheck::merge(const TakeCheck& later) {
   samples += later.samples;
   disagreements += later.disagreements;
@@ -23,15 +41,13 @@ RunOutcome outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool 
   RunOutcome outcome;
   const std::vector<const Method*> checked = checked_methods(plan);
   std::vector<TakeCheck> checks(checked.size());
-  std::vector<TakeTracking> tracking;
   for (const TakeResult& take : takes) {
-    tracking.push_back(take.tracking);
     outcome.notes.insert(outcome.notes.end(), take.notes.begin(), take.notes.end());
     outcome.evaluated.push_back(take.evaluated);
     for (std::size_t m = 0; m < std::min(checks.size(), take.checks.size()); ++m)
       checks[m].merge(take.checks[m]);
   }
-  outcome.tracking = sum_tracking(plan, tracking);
+  outcome.tracking = sum_tracking(plan, takes);
   for (std::size_t m = 0; cross_check && m < checks.size(); ++m) {
     const TakeCheck& check = checks[m];
     outcome.cross_checks.push_back({checked[m]->spec.name, check.samples, check.disagreements, check.worst_m,

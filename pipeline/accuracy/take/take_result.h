@@ -10,8 +10,9 @@
 
 #include "datasets/base/described.h"
 #include "datasets/results/summary.h"
+#include "pipeline/accuracy/take/angle_errors.h"
+#include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/plan.h"
-#include "pipeline/accuracy/take/tracking_check.h"
 #include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
@@ -33,6 +34,17 @@ struct TakeCheck {
   void merge(const TakeCheck& later);
 
   TRILAT_FIELDS(samples, disagreements, worst_m, worst_at, disagreed_at)
+};
+
+// What one take says of how its sensors tracked.
+struct TakeTracking {
+  std::vector<CheckRow> checks;
+  ClockRow clock;
+  RayRow rays = {};
+  std::vector<PredictionSums> predictions = {};
+  std::vector<AngleSums> angles = {};
+
+  TRILAT_FIELDS(checks, predictions, clock, rays, angles)
 };
 
 // All that evaluating one take gives besides its file.

@@ -8,7 +8,7 @@
 #include "evaluators/alignment/alignment.h"
 #include "evaluators/metrics/quantiles.h"
 #include "evaluators/metrics/student.h"
-#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/take_checks.h"
 
 namespace trilat {
 namespace {
@@ -150,17 +150,17 @@ double scale_sigma(const std::vector<Joint>& joints, const Both& both, std::size
   return std::sqrt((n - 1.0) / n * (k - k.mean()).square().sum());
 }
 
-class TruthChecks {
+class TruthChecker {
  public:
-  TruthChecks(const Plan& plan, const PlannedTake& planned, const TakeData& data)
+  TruthChecker(const Plan& plan, const PlannedTake& planned, const TakeData& data)
       : plan_(plan), planned_(planned), both_(both_of(plan, planned, data)) {}
 
-  std::vector<TakeNote> run() {
-    if (find_mirrored()) return std::move(notes_);  // nothing else can be said of it
+  TakeChecks run() {
+    if (find_mirrored()) return std::move(checks_);  // nothing else is known of it then
     const PointFit fit = fit_joints(both_);
-    if (!std::isfinite(fit.scale)) return {};
+    if (!std::isfinite(fit.scale)) return std::move(checks_);
     double sigma = kNaN;
-    const bool is_scaled = is_beyond_doubt(fit.scale, sigma);
+    const bool is_scaled = find_scale(fit.scale, sigma);
     if (is_scaled)
       note(planned_.take.mocap, fmt::format("shows movements and a body {:.3f} times as large as the sensors "
                                             "do{}; is the export's unit right?",
@@ -168,13 +168,16 @@ class TruthChecks {
     lay_over(fit, is_scaled ? fit.scale : 1.0);
     find_exchanged();
     find_far();
-    return std::move(notes_);
+    return std::move(checks_);
   }
 
  private:
   bool find_mirrored() {
     const PointFit fit = fit_points(joined(both_.seen), joined(both_.truth));
-    if (!(fit.rms_m > kReflected_m && fit.mirrored_rms_m < kReflectedShare * fit.rms_m)) return false;
+    const double share = fit.mirrored_rms_m / fit.rms_m;
+    const bool beyond = fit.rms_m > kReflected_m && share < kReflectedShare;
+    add({.what = "mirrored", .unit = "1", .value = share, .limit = kReflectedShare, .beyond = beyond});
+    if (!beyond) return false;
     note(planned_.take.mocap,
          fmt::format(
              "is mirrored, it seems: turned onto what the sensors see it lies {:.2f} m off, and {:.2f} m "
@@ -183,14 +186,29 @@ class TruthChecks {
              fit.rms_m, fit.mirrored_rms_m));
     return true;
   }
-  bool is_beyond_doubt(double scale, double& sigma) const {
-    if (!(std::abs(scale - 1.0) > kScale)) return false;
-    std::size_t clusters = 0;
-    sigma = scale_sigma(plan_.joints, both_, clusters);
-    return clusters >= 2 && std::abs(scale - 1.0) > student_quantile(clusters - 1, kScaleAlpha) * sigma;
+  // Whether the scale is beyond doubt not 1. Its uncertainty is looked at only where it may matter.
+  bool find_scale(double scale, double& sigma) {
+    CheckRow row{.what = "unit", .unit = "1", .value = scale, .limit = kScale};
+    if (std::abs(scale - 1.0) > kScale) {
+      std::size_t clusters = 0;
+      sigma = scale_sigma(plan_.joints, both_, clusters);
+      if (clusters >= 2) {
+        const double reach = student_quantile(clusters - 1, kScaleAlpha) * sigma;
+        row.low = scale - reach;
+        row.high = scale + reach;
+        row.beyond = std::abs(scale - 1.0) > reach;
+      }
+    }
+    add(row);
+    return row.beyond;
+  }
+  void add(CheckRow row) {
+    row.take = planned_.take.id;
+    if (row.subject.empty()) row.subject = "mocap";
+    checks_.rows.push_back(std::move(row));
   }
   void note(const std::filesystem::path& place, std::string text) {
-    notes_.push_back({planned_.take.id, false, place.string(), std::move(text)});
+    checks_.notes.push_back({planned_.take.id, false, place.string(), std::move(text)});
   }
   std::string name(std::size_t j) const { return std::string(name_of(plan_.joints[j])); }
   std::size_t joints() const { return plan_.joints.size(); }
@@ -224,7 +242,15 @@ class TruthChecks {
              fmt::format("has {} and {} exchanged, it seems: they lie {:.2f} and {:.2f} m from where the "
                          "sensors see them, and {:.2f} and {:.2f} m the other way round; mend the mapping",
                          name(j), name(k), off_m_[j], off_m_[k], there_m, back_m));
-        off_m_[j] = off_m_[k] = kNaN;
+        for (const std::size_t of : {j, k}) {
+          add({.subject = name(of),
+               .what = "exchanged",
+               .unit = "m",
+               .value = off_m_[of],
+               .limit = kExchanged_m,
+               .beyond = true});
+          off_m_[of] = kNaN;
+        }
       }
   }
 
@@ -235,7 +261,16 @@ class TruthChecks {
     if (known.size() < 3) return;
     const double usual_m = quantiles_of(known, {0.5})[0];
     for (std::size_t j = 0; j < joints(); ++j) {
-      if (!(off_m_[j] > kFar_m && off_m_[j] > kFarTimes * usual_m)) continue;
+      const double limit_m = std::max(kFar_m, kFarTimes * usual_m);
+      const bool beyond = off_m_[j] > limit_m;
+      if (std::isfinite(off_m_[j]))
+        add({.subject = name(j),
+             .what = "place",
+             .unit = "m",
+             .value = off_m_[j],
+             .limit = limit_m,
+             .beyond = beyond});
+      if (!beyond) continue;
       const double times =
           movement_m(both_.truth[j], both_.seen[j]) / movement_m(both_.seen[j], both_.truth[j]);
       if (times > kMovesTimes || times < 1.0 / kMovesTimes)
@@ -255,13 +290,13 @@ class TruthChecks {
   const PlannedTake& planned_;
   Both both_;
   std::vector<double> off_m_;  // by joint, in the median, of what is laid over the truth
-  std::vector<TakeNote> notes_;
+  TakeChecks checks_;
 };
 
 }  // namespace
 
-std::vector<TakeNote> check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  return TruthChecks(plan, planned, data).run();
+TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+  return TruthChecker(plan, planned, data).run();
 }
 
 }  // namespace trilat

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace trilat {
+
+// How far joints move about each instant, in the world: instants times joints, NaN where they are not known.
+struct Movements {
+  std::vector<Eigen::Vector3d> moved_m;
+  std::size_t joints = 0;
+};
+
+// By how much one stream of movements comes later than another, with the standard deviation of a jackknife
+// over blocks of time.
+struct MovementLag {
+  double lag_s, sigma_s;
+};
+
+// `others`: of the same instants and joints, zero where they are not known. NaN for less than
+// six seconds, and where the streams correlate at no lag within a second, or nearly as well without one, or
+// as well when one stream is turned.
+MovementLag lag_of(const Movements& own, const Movements& others, double rate_hz);
+
+}  // namespace trilat

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "pipeline/accuracy/take/take_data.h"
+
+namespace trilat {
+
+// What a take was checked by, and a note with size and remedy for what lies beyond its limit.
+struct TakeChecks {
+  std::vector<CheckRow> rows = {};
+  std::vector<TakeNote> notes = {};
+};
+
+// What the sensors of a take say against each other: the same stream twice, a mirrored one, poses that were
+// exchanged or are far off or change during the take, a clock that is off, ranges or positions of another
+// scale. What is found first explains what would be found next. A sound take has no note.
+struct SensorChecks : TakeChecks {
+  bool misplaced = false;  // poses are exchanged or far off, so that one person's bodies lie apart
+};
+// `bodies`: as they were read, before anything is repaired.
+SensorChecks check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
+
+// What the sensors of a take say against its ground truth, however the two worlds lie: a mirrored one,
+// another unit, of all or of one joint; joints that are exchanged in the mapping, or far from where they
+// should be. A sound take has no note.
+TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
+// How each sensor is turned, shifted and measures beside its calibration, by the bodies (`data.shown`). A
+// note where check_sensors() has none. Without rows where the bodies show nothing of the calibration.
+TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
+// In which share of the instants a sensor was found to have left and right exchanged.
+std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
+}  // namespace trilat
