@@ -233,6 +233,7 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
   iterations.assign(count * joints * methods, 0);
   cost_m2.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
   gdop.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
+  sigma_m.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
 }
 
 void Replay::reset(std::uint64_t count, std::size_t sensor_count) {

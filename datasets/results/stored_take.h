@@ -42,6 +42,7 @@ struct SampleBlock {
   std::vector<std::uint32_t> iterations;
   std::vector<float> cost_m2;
   std::vector<float> gdop;
+  std::vector<float> sigma_m;        // an axis, of the method's own model; NaN without one; not stored
   std::vector<std::uint8_t> ranges;  // how many sensors saw the joint (per instant and joint)
   // How many of them saw it occluded: inferred, or crossed by a limb in front (per instant and joint).
   std::vector<std::uint8_t> occluded;

@@ -14,7 +14,7 @@
 #include "datasets/results/results_file.h"
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
-#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/errors/summarise.h"

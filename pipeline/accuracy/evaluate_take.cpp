@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +14,7 @@
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/take/left_out.h"
-#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_rays.h"
 #include "pipeline/study/study.h"
@@ -21,24 +22,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kBlock = 256;  // instants gathered before they are solved together
-// What an instant of a windowed method counts in the progress, where one of all others together counts 1.
-constexpr std::uint64_t kWindowedWork = 5;
-
-class TakeProgress {
- public:
-  TakeProgress(const Plan& plan, std::size_t take, std::size_t tracks, const Watch& watch)
-      : watch_(watch),
-        total_(plan.takes[take].instants * tracks * (1 + kWindowedWork * windowed_methods(plan))) {}
-  void advance(std::uint64_t work) {
-    watch_.tell(static_cast<double>(done_ += work) / static_cast<double>(total_));
-  }
-
- private:
-  const Watch& watch_;
-  std::uint64_t total_;
-  std::atomic<std::uint64_t> done_{0};
-};
+constexpr std::uint64_t kBlock = 256;  // instants that are copied together
 
 void append(std::vector<TakeNote>& notes, std::vector<TakeNote> more) {
   std::ranges::move(more, std::back_inserter(notes));
@@ -49,95 +33,18 @@ std::vector<std::string> tracks_of(const Plan& plan, const PlannedTake& planned)
   return planned.truth == TakeTruth::left_out_sensor ? plan.rig : std::vector<std::string>{"mocap"};
 }
 
-// Solves one track of a take, block by block, into `file`.
-class TrackSolver {
- public:
-  TrackSolver(const Plan& plan, const PlannedTake& planned, bool cross_check, StoredTake& file,
-              StageClocks& clocks, const Watch& watch, TakeProgress& progress, TakeResult& result)
-      : plan_(plan),
-        planned_(planned),
-        cross_check_(cross_check),
-        file_(file),
-        clocks_(clocks),
-        watch_(watch),
-        progress_(progress),
-        result_(result) {}
-
-  // `brought`: paths of what the take brings.
-  void solve(std::size_t track, const TakeData& data, std::vector<MethodPaths> brought) const {
-    std::vector<MethodPaths> paths = paths_of(data);
-    for (MethodPaths& path : brought) paths.push_back(std::move(path));
-    SampleBlock block;
-    std::optional<Predictions> predictions;
-    AngleErrors angles(file_.head(), planned_.take.participant, planned_.level);
-    if (planned_.truth == TakeTruth::left_out_sensor) predictions.emplace(plan_, planned_, track);
-    for (std::uint64_t first = 0; first < planned_.instants; first += kBlock) {
-      watch_.check();
-      const std::uint64_t count = std::min(kBlock, planned_.instants - first);
-      block.reset(first, count, plan_.joints.size(), plan_.methods.size());
-      solve(data, paths, block);
-      if (predictions)
-        predictions->add(block);
-      else
-        angles.add(block);
-      const Stopwatch time(clocks_.write_ns);
-      file_.write(track, block);
-      progress_.advance(count);
-    }
-    if (!predictions) {
-      result_.tracking.angles = angles.sums();
-      return;
-    }
-    std::vector<PredictionSums>& all = result_.tracking.predictions;
-    for (PredictionSums& sums : predictions->sums()) all.push_back(std::move(sums));
-  }
-
- private:
-  std::vector<MethodPaths> paths_of(const TakeData& data) const {
-    const Stopwatch time(clocks_.solve_ns);
-    const auto advanced = [&](std::size_t instants) { progress_.advance(kWindowedWork * instants); };
-    return solve_over_time(plan_, planned_, data, {advanced, [&] { return watch_.stopped(); }});
-  }
-  void solve(const TakeData& data, const std::vector<MethodPaths>& paths, SampleBlock& block) const {
-    const Stopwatch time(clocks_.solve_ns);
-    const auto checks = solve_block(plan_, planned_, data, paths, cross_check_, block);
-    result_.checks.resize(checks.size());
-    for (std::size_t m = 0; m < checks.size(); ++m) result_.checks[m].merge(checks[m]);
-  }
-
-  const Plan& plan_;
-  const PlannedTake& planned_;
-  bool cross_check_;
-  StoredTake& file_;
-  StageClocks& clocks_;
-  const Watch& watch_;
-  TakeProgress& progress_;
-  TakeResult& result_;
-};
-
-RecordedTake read(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch) {
-  const Stopwatch time(clocks.read_ns);
-  return read_take(plan, planned, watch.stop_requested);
-}
-
-std::vector<double> since_start_s(const PlannedTake& planned, const std::vector<HostTime>& time) {
-  std::vector<double> since_s;
-  for (const HostTime t : time) since_s.push_back((t - planned.start).seconds());
-  return since_s;
-}
-
-// Reads what the take brings and holds it against the truth at these instants, by instant and name.
-std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& planned,
-                                       const std::vector<double>& since_s,
-                                       const std::vector<Eigen::Vector3d>& truth_m,
+// Reads what the take brings and holds it against the truth, by instant and name.
+std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                                        std::vector<TakeNote>& notes) {
   std::vector<MethodPaths> paths;
   if (planned.take.joints.empty()) return paths;
+  std::vector<double> since_s;
+  for (const HostTime t : data.time) since_s.push_back((t - planned.start).seconds());
   std::vector<PointPath> truth(plan.names.size(), {since_s, {}});
-  for (std::size_t k = 0; k < truth_m.size(); ++k)
-    truth[k % plan.names.size()].position_m.push_back(truth_m[k]);
+  for (std::size_t k = 0; k < data.truth_m.size(); ++k)
+    truth[k % plan.names.size()].position_m.push_back(data.truth_m[k]);
   for (BroughtTrack& brought : read_brought(plan, planned)) {
-    if (!truth_m.empty()) append(notes, check_brought(plan, planned, truth.data(), brought));
+    if (planned.truth == TakeTruth::mocap) append(notes, check_brought(plan, planned, truth.data(), brought));
     paths.push_back(paths_of(plan, brought, since_s));
   }
   return paths;
@@ -215,67 +122,60 @@ Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& d
   return replay;
 }
 
-}  // namespace
+// What methods see of a take, and what it brings.
+struct SeenTake {
+  TakeData all;       // by all sensors; without sensors the instants and their truth alone
+  TakeData followed;  // before anything is repaired, of a take whose sensors are left out in turn
+  std::vector<MethodPaths> brought;
+};
 
-namespace {
-
-// A take without a session: nothing is solved.
-EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, const ErrorSettings& errors,
-                               const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
-  EvaluatedTake evaluated;
-  std::vector<double> since_s;
-  for (std::uint64_t i = 0; i < planned.instants; ++i) since_s.push_back(plan.instant(i).seconds());
-  std::vector<Eigen::Vector3d> truth_m(planned.instants * plan.names.size());
-  std::vector<MethodPaths> paths;
-  std::vector<TakeNote>& notes = evaluated.result.notes;
+SeenTake see_session(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch,
+                     TakeResult& result) {
+  const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
+  RecordedTake recorded;
   {
     const Stopwatch time(clocks.read_ns);
-    const MarkerTrack truth = truth_of_points(plan, planned);
-    for (std::uint64_t i = 0; i < planned.instants; ++i)
-      truth.at(MocapTime{} + plan.instant(i),
-               std::span(truth_m).subspan(i * plan.names.size(), plan.names.size()));
-    for (std::string& text : oddities_of(truth))
-      notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
-    for (std::string& text : points_left_out(planned.take, plan.names))
-      notes.push_back({planned.take.id, false, planned.take.mapping.string(), std::move(text)});
-    if (planned.truth_has_z_up)
-      notes.push_back(
-          {planned.take.id, false, planned.take.mocap.string(),
-           "has its z axis up: all files of the take are turned so that y is up, and x, y, z of the "
-           "tables are the files' x, z, -y"});
-    if (!planned.level)
-      notes.push_back({planned.take.id, false, planned.take.mocap.string(),
-                       "neither states nor shows which axis is up: its own axes are used"});
-    paths = paths_brought(plan, planned, since_s, truth_m, notes);
+    recorded = read_take(plan, planned, watch.stop_requested);
   }
-  StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
-  AngleErrors angles(file.head(), planned.take.participant, planned.level);
-  if (angles.lacks_up())
-    notes.push_back({planned.take.id, false, planned.take.mocap.string(),
-                     "trunk inclination is left out, which needs the axis that points up; say which it is"});
-  SampleBlock block;
-  for (std::uint64_t first = 0; first < planned.instants; first += kBlock) {
-    watch.check();
-    const std::uint64_t count = std::min(kBlock, planned.instants - first);
-    block.reset(first, count, plan.names.size(), plan.methods.size());
-    for (std::uint64_t i = 0; i < count; ++i) {
-      block.time_ns[i] = (planned.start + plan.instant(first + i)).ns;
-      for (std::size_t j = 0; j < plan.names.size(); ++j)
-        Eigen::Map<Eigen::Vector3d>(&block.truth_m[(i * plan.names.size() + j) * 3]) =
-            truth_m[(first + i) * plan.names.size() + j];
-    }
-    std::ranges::fill(block.status, static_cast<std::uint8_t>(SolveStatus::no_observation));
-    for (const MethodPaths& path : paths) store_path(plan, path, block);
-    angles.add(block);
-    const Stopwatch time(clocks.write_ns);
-    file.write(0, block);
-    watch.tell(static_cast<double>(first + count) / static_cast<double>(planned.instants));
+  SeenTake seen;
+  TakeData followed = follow_person(plan, planned, recorded, watch.stop_requested);
+  if (leaves_out) seen.followed = followed;
+  seen.all =
+      see_take(plan, planned, std::move(followed), recorded.truth.get(), std::nullopt, watch.stop_requested);
+  result.tracking = tracking_of(plan, planned, seen.all);
+  result.notes = seen.all.notes;
+  if (leaves_out) append(result.notes, notes_on_silent(plan, planned, seen.all));
+  seen.brought = paths_brought(plan, planned, seen.all, result.notes);
+  return seen;
+}
+
+// A take without a session: its truth, and what it brings.
+SeenTake see_points(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, TakeResult& result) {
+  const Stopwatch time(clocks.read_ns);
+  SeenTake seen;
+  TakeData& data = seen.all;
+  data.heading_rad.assign(planned.instants, std::numeric_limits<float>::quiet_NaN());
+  data.truth_m.resize(planned.instants * plan.names.size());
+  const MarkerTrack truth = truth_of_points(plan, planned);
+  for (std::uint64_t i = 0; i < planned.instants; ++i) {
+    data.time.push_back(planned.start + plan.instant(i));
+    truth.at(MocapTime{} + plan.instant(i),
+             std::span(data.truth_m).subspan(i * plan.names.size(), plan.names.size()));
   }
-  evaluated.errors = write_errors(file, errors, clocks);
-  file.finish();
-  evaluated.result.tracking.angles = angles.sums();
-  evaluated.result.evaluated = true;
-  return evaluated;
+  const auto note = [&](const std::filesystem::path& place, std::string text) {
+    result.notes.push_back({planned.take.id, false, place.string(), std::move(text)});
+  };
+  const std::filesystem::path& mocap = planned.take.mocap;
+  for (std::string& text : oddities_of(truth)) note(mocap, std::move(text));
+  for (std::string& text : points_left_out(planned.take, plan.names))
+    note(planned.take.mapping, std::move(text));
+  if (planned.truth_has_z_up)
+    note(mocap,
+         "has its z axis up: all files of the take are turned so that y is up, and x, y, z of the tables are "
+         "the files' x, z, -y");
+  if (!planned.level) note(mocap, "neither states nor shows which axis is up: its own axes are used");
+  seen.brought = paths_brought(plan, planned, data, result.notes);
+  return seen;
 }
 
 }  // namespace
@@ -283,30 +183,42 @@ EvaluatedTake evaluate_brought(const Plan& plan, const PlannedTake& planned, con
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
                             const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
-  if (plan.rig.empty()) return evaluate_brought(plan, planned, errors, folder, clocks, watch);
-  const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
   EvaluatedTake evaluated;
   TakeResult& result = evaluated.result;
-  RecordedTake recorded = read(plan, planned, clocks, watch);
-  TakeData followed = follow_person(plan, planned, recorded, watch.stop_requested);
-  const TakeData all = see_take(plan, planned, leaves_out ? followed : std::move(followed),
-                                recorded.truth.get(), std::nullopt, watch.stop_requested);
-  result.tracking = tracking_of(plan, planned, all);
-  result.notes = all.notes;
-  if (leaves_out) append(result.notes, notes_on_silent(plan, planned, all));
+  const bool has_sensors = !plan.rig.empty();
+  const SeenTake seen = has_sensors ? see_session(plan, planned, clocks, watch, result)
+                                    : see_points(plan, planned, clocks, result);
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
-  TakeProgress progress(plan, take, file.head().tracks.size(), watch);
-  const std::vector<MethodPaths> brought =
-      paths_brought(plan, planned, since_start_s(planned, all.time),
-                    leaves_out ? std::vector<Eigen::Vector3d>{} : all.truth_m, result.notes);
-  const TrackSolver solver(plan, planned, cross_check, file, clocks, watch, progress, result);
-  for (std::size_t track = 0; track < file.head().tracks.size(); ++track)
-    if (leaves_out)
-      solver.solve(track, see_take(plan, planned, followed, nullptr, track, watch.stop_requested), brought);
-    else
-      solver.solve(track, all, brought);
+  const auto solve = [&](std::size_t track, const TakeData& data, auto& sums) {
+    const double share = 1.0 / static_cast<double>(file.head().tracks.size());
+    const Watch part{watch.stop_requested,
+                     share_of(watch.progress, share * static_cast<double>(track), share)};
+    result.checks.resize(cross_check ? checked_methods(plan).size() : 0);
+    const std::vector<TakeCheck> checks = solve_take(plan, planned, data, seen.brought, cross_check, clocks,
+                                                     part, [&](const SampleBlock& block) {
+                                                       sums.add(block);
+                                                       const Stopwatch time(clocks.write_ns);
+                                                       file.write(track, block);
+                                                     });
+    for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
+  };
+  if (planned.truth == TakeTruth::left_out_sensor) {
+    for (std::size_t s = 0; s < plan.rig.size(); ++s) {
+      Predictions predictions(plan, planned, s);
+      solve(s, see_take(plan, planned, seen.followed, nullptr, s, watch.stop_requested), predictions);
+      std::ranges::move(predictions.sums(), std::back_inserter(result.tracking.predictions));
+    }
+  } else {
+    AngleErrors angles(file.head(), planned.take.participant, planned.level);
+    if (angles.lacks_up() && !has_sensors)
+      result.notes.push_back(
+          {planned.take.id, false, planned.take.mocap.string(),
+           "trunk inclination is left out, which needs the axis that points up; say which it is"});
+    solve(0, seen.all, angles);
+    result.tracking.angles = angles.sums();
+  }
   evaluated.errors = write_errors(file, errors, clocks);
-  if (is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, all));
+  if (has_sensors && is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, seen.all));
   file.finish();
   result.evaluated = true;
   return evaluated;

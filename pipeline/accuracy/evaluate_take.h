@@ -1,37 +1,19 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include "datasets/results/error_table.h"
 #include "datasets/results/item_store.h"
 #include "pipeline/accuracy/take/plan.h"
-#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_result.h"
 #include "pipeline/errors/take_errors.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {
-
-// Where the time of a run went, in nanoseconds summed over threads.
-struct StageClocks {
-  std::atomic<std::int64_t> read_ns{0}, solve_ns{0}, write_ns{0}, summarise_ns{0};
-};
-
-// Adds the life of this object to a clock.
-class Stopwatch {
- public:
-  explicit Stopwatch(std::atomic<std::int64_t>& total_ns) : total_ns_(total_ns) {}
-  ~Stopwatch() { total_ns_ += static_cast<std::int64_t>(1e9 * time_.seconds()); }
-
- private:
-  std::atomic<std::int64_t>& total_ns_;
-  RunningTime time_;
-};
 
 struct EvaluatedTake {
   TakeResult result;

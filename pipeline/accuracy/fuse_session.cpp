@@ -2,23 +2,19 @@
 #include "pipeline/accuracy/fuse_session.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
-#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_checks.h"
 #include "pipeline/accuracy/take/take_rays.h"
 #include "pipeline/study/hash_cache.h"
-#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
-
-constexpr std::size_t kTogether = 64;  // instants
 
 Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& calibration,
              const MethodSpec& method, double rate_hz) {
@@ -39,44 +35,19 @@ Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& 
   return plan;
 }
 
-FusedPoint point_of(SolveStatus status, const Eigen::Vector3d& position_m) {
-  FusedPoint point{.status = status};
-  if (is_usable(status)) point.position_m = position_m;
-  return point;
-}
-
-void solve_instants(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
-  const PlannedTake& planned = plan.takes[0];
-  const Method& method = plan.methods[0];
-  const bool is_corrected = method.spec.calibration_is_estimated;
-  const std::vector<RigidTransform>& rig = rig_of(planned, data, is_corrected);
-  const bool has_sigma = method.spec.kind == &method_kind("range_bearing");
-  std::atomic<std::size_t> done{0};
-  parallel_for_index(fused.instants(), kTogether, [&](std::size_t i) {
-    if (i % kTogether == 0) watch.check();
-    std::vector<JointObservation> seen(plan.rig.size());
-    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-      observe_joint(data, planned, is_corrected, i, plan.joints[j], seen);
-      const PointEstimate estimate =
-          evaluate(method, {seen, rig, occlusions_of(data, i, plan.joints[j]), ranges_of(seen, rig),
-                            sigma_at(data, is_corrected, i, j)});
-      FusedPoint& point = fused.points[i * plan.joints.size() + j];
-      point = point_of(estimate.status, estimate.position_m);
-      if (has_sigma) point.sigma_m = std::sqrt(estimate.covariance.trace() / 3.0);
+void solve(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
+  const bool has_sigma = plan.methods[0].spec.kind == &method_kind("range_bearing");
+  StageClocks clocks;
+  solve_take(plan, plan.takes[0], data, {}, false, clocks, watch, [&](const SampleBlock& block) {
+    const std::size_t first = block.first_instant * plan.joints.size();
+    for (std::size_t k = 0; k < block.status.size(); ++k) {
+      FusedPoint& point = fused.points[first + k];
+      point.status = static_cast<SolveStatus>(block.status[k]);
+      if (is_usable(point.status))
+        point.position_m = Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[3 * k]);
+      if (has_sigma) point.sigma_m = block.sigma_m[k];
     }
-    watch.tell(static_cast<double>(++done) / static_cast<double>(fused.instants()));
   });
-}
-
-void solve_paths(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
-  std::atomic<std::size_t> done{0};
-  const auto advanced = [&](std::size_t instants) {
-    watch.tell(static_cast<double>(done += instants) / static_cast<double>(fused.instants()));
-  };
-  const MethodPaths paths =
-      solve_over_time(plan, plan.takes[0], data, {advanced, [&] { return watch.stopped(); }}).front();
-  for (std::size_t k = 0; k < fused.points.size(); ++k)
-    fused.points[k] = point_of(paths.points[k].status, paths.points[k].position_m);
 }
 
 }  // namespace
@@ -93,10 +64,7 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                      .rays = rays_of(plan, plan.takes[0], data),
                      .checks = data.checks,
                      .notes = data.notes};
-  if (is_over_time(plan.methods[0]))
-    solve_paths(plan, data, watch, fused);
-  else
-    solve_instants(plan, data, watch, fused);
+  solve(plan, data, watch, fused);
   for (const FusedPoint& point : fused.points)
     fused.answered += is_usable(point.status) ? 1.0 / static_cast<double>(fused.points.size()) : 0.0;
   return fused;

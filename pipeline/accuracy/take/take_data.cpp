@@ -343,6 +343,8 @@ TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data, c
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   if (left_out) leave_out(plan, planned, *left_out, data);
+  if (data.truth_m.empty())
+    data.truth_m.assign(data.time.size() * plan.joints.size(), Eigen::Vector3d::Constant(kNaN));
   find_occlusions(plan, data);
   if (!left_out || estimates_calibration(plan)) find_corrections(planned, data);
   if (!left_out) {

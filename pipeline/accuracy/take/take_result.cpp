@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/solve_block.h"
+#include "pipeline/accuracy/take/solve_take.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,10 @@ namespace {
 // Instants that Ceres solves again: it takes a hundred times as long.
 constexpr std::uint64_t kCheckedEvery = 8;
 
-constexpr std::uint64_t kSideBySide = 16;  // instants that one thread solves side by side
+constexpr std::uint64_t kBlock = 256;      // instants that are solved together
+constexpr std::uint64_t kSideBySide = 16;  // of them by one thread
+// What an instant of a windowed method counts in the progress, where one of all others together counts 1.
+constexpr std::uint64_t kWindowedWork = 5;
 
 // What the rig saw during a block, as stated or as corrected: per instant and joint, one observation a
 // sensor.
@@ -29,20 +32,24 @@ struct Observations {
   }
 };
 
-void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, SampleBlock& block,
+void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, const SampleBlock& block,
             Observations& seen) {
   seen.values.resize(block.instants * seen.joints * seen.sensors);
-  for (std::uint64_t i = 0; i < block.instants; ++i) {
-    const std::uint64_t instant = block.first_instant + i;
-    block.time_ns[i] = data.time[instant].ns;
-    block.heading_rad[i] = data.heading_rad[instant];
-    for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-      observe_joint(data, planned, seen.is_corrected, instant, plan.joints[j],
+  for (std::uint64_t i = 0; i < block.instants; ++i)
+    for (std::size_t j = 0; j < seen.joints; ++j)
+      observe_joint(data, planned, seen.is_corrected, block.first_instant + i, plan.joints[j],
                     std::span(seen.values).subspan((i * seen.joints + j) * seen.sensors, seen.sensors));
-      const Eigen::Vector3d& truth = data.truth(instant, j, plan.joints.size());
-      for (int axis = 0; axis < 3; ++axis)
-        block.truth_m[(i * plan.joints.size() + j) * 3 + static_cast<std::size_t>(axis)] = truth[axis];
-    }
+}
+
+// The instants of a block and their truth.
+void begin_block(const Plan& plan, const TakeData& data, std::uint64_t first, SampleBlock& block) {
+  const std::size_t names = plan.names.size();
+  block.reset(first, std::min<std::uint64_t>(kBlock, data.time.size() - first), names, plan.methods.size());
+  for (std::uint64_t i = 0; i < block.instants; ++i) {
+    block.time_ns[i] = data.time[first + i].ns;
+    block.heading_rad[i] = data.heading_rad[first + i];
+    for (std::size_t j = 0; j < names; ++j)
+      Eigen::Map<Eigen::Vector3d>(&block.truth_m[(i * names + j) * 3]) = data.truth(first + i, j, names);
   }
 }
 
@@ -53,6 +60,7 @@ void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) 
   block.iterations[slot] = static_cast<std::uint32_t>(std::max(0, estimate.iterations));
   block.cost_m2[slot] = static_cast<float>(estimate.cost_m2);
   block.gdop[slot] = static_cast<float>(estimate.gdop);
+  block.sigma_m[slot] = static_cast<float>(std::sqrt(estimate.covariance.trace() / 3.0));
 }
 
 // How many sensors see the joint occluded: inferred, or crossed by a limb in front.
@@ -124,8 +132,7 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
   return check;
 }
 
-}  // namespace
-
+// Puts the part of a path that a block is of into it.
 void store_path(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
   for (std::uint64_t i = 0; i < block.instants; ++i)
     for (std::size_t j = 0; j < paths.joints; ++j) {
@@ -137,19 +144,9 @@ void store_path(const Plan& plan, const MethodPaths& paths, SampleBlock& block) 
     }
 }
 
-std::vector<const Method*> checked_methods(const Plan& plan) {
-  std::vector<const Method*> checked;
-  for (const Method& m : plan.methods)
-    if ((m.spec.kind->name == "nonlinear" || m.spec.kind->name == "newton") &&
-        m.spec.nonlinear.damping == Damping::lm && m.spec.nonlinear.stop == StopRule::step &&
-        !m.spec.calibration_is_estimated)
-      checked.push_back(&m);
-  return checked;
-}
-
-std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                   const std::vector<MethodPaths>& paths, bool cross_check,
-                                   SampleBlock& block) {
+// Adds how Ceres compares to `sums`, by checked method.
+void solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data, bool cross_check,
+                 SampleBlock& block, std::vector<TakeCheck>& sums) {
   const auto checked = cross_check ? checked_methods(plan) : std::vector<const Method*>{};
   const std::uint64_t count = block.instants;
   std::vector<Observations> rigs;
@@ -171,17 +168,16 @@ std::vector<TakeCheck> solve_block(const Plan& plan, const PlannedTake& planned,
             cross_check_instant(plan, planned, data, rigs.front(), i, *checked[m], block.first_instant + i);
     }
   });
-  for (const MethodPaths& path : paths) store_path(plan, path, block);
-  std::vector<TakeCheck> sums(checked.size());
   for (std::size_t k = 0; k < checks.size(); ++k) sums[k / count].merge(checks[k]);
-  return sums;
 }
 
+// How many methods solve windows of all joints together, which takes long.
 std::size_t windowed_methods(const Plan& plan) {
   return static_cast<std::size_t>(std::ranges::count_if(
       plan.methods, [](const Method& method) { return method.spec.kind->over_time == solve_windows; }));
 }
 
+// All methods that need whole paths.
 std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                                          const OverTimeCalls& calls) {
   std::vector<std::int64_t> time_ns;
@@ -203,6 +199,50 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
                                 calls, all[k]);
   });
   return all;
+}
+
+}  // namespace
+
+std::vector<const Method*> checked_methods(const Plan& plan) {
+  std::vector<const Method*> checked;
+  for (const Method& m : plan.methods)
+    if ((m.spec.kind->name == "nonlinear" || m.spec.kind->name == "newton") &&
+        m.spec.nonlinear.damping == Damping::lm && m.spec.nonlinear.stop == StopRule::step &&
+        !m.spec.calibration_is_estimated)
+      checked.push_back(&m);
+  return checked;
+}
+
+std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+                                  std::span<const MethodPaths> brought, bool cross_check, StageClocks& clocks,
+                                  const Watch& watch, const std::function<void(const SampleBlock&)>& each) {
+  const std::uint64_t total = data.time.size() * (1 + kWindowedWork * windowed_methods(plan));
+  std::atomic<std::uint64_t> done{0};
+  const auto advance = [&](std::uint64_t work) {
+    watch.tell(static_cast<double>(done += work) / static_cast<double>(total));
+  };
+  std::vector<MethodPaths> paths;
+  {
+    const Stopwatch time(clocks.solve_ns);
+    paths = solve_over_time(
+        plan, planned, data,
+        {[&](std::size_t instants) { advance(kWindowedWork * instants); }, [&] { return watch.stopped(); }});
+  }
+  std::vector<TakeCheck> checks(cross_check ? checked_methods(plan).size() : 0);
+  SampleBlock block;
+  for (std::uint64_t first = 0; first < data.time.size(); first += kBlock) {
+    watch.check();
+    begin_block(plan, data, first, block);
+    {
+      const Stopwatch time(clocks.solve_ns);
+      solve_block(plan, planned, data, cross_check, block, checks);
+    }
+    for (const MethodPaths& path : paths) store_path(plan, path, block);
+    for (const MethodPaths& path : brought) store_path(plan, path, block);
+    each(block);
+    advance(block.instants);
+  }
+  return checks;
 }
 
 }  // namespace trilat
