@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -23,33 +24,45 @@ constexpr double kNearHighest = 0.8;
 
 // One joint's truth on a regular grid: speed, position, and position less what is slow; NaN where not
 // covered.
+// In single precision, which is a tenth of a micrometre.
 struct TruthGrid {
   double start_s = 0.0, step_s = 0.0;
-  std::vector<double> speed_m_s;
-  std::vector<Vector3d> position_m, quick_m;
+  std::vector<float> speed_m_s;
+  std::vector<Eigen::Vector3f> position_m, quick_m;
 
-  // Linear between two points of the grid; NaN outside.
-  template <class Value>
-  Value at(const std::vector<Value>& values, double time_s, const Value& none) const {
-    const double place = (time_s - start_s) / step_s;
-    if (!(place >= 0.0) || place + 1.0 >= static_cast<double>(values.size())) return none;
-    const auto k = static_cast<std::size_t>(place);
-    const double share = place - static_cast<double>(k);
-    return values[k] + share * (values[k + 1] - values[k]);
+  double speed_at(double time_s) const {
+    const auto [k, share] = place_of(time_s, speed_m_s.size());
+    if (!(share >= 0.0)) return kNaN;
+    const auto before = static_cast<double>(speed_m_s[k]), after = static_cast<double>(speed_m_s[k + 1]);
+    return before + share * (after - before);
   }
-  double speed_at(double time_s) const { return at(speed_m_s, time_s, kNaN); }
-  Vector3d position_at(double time_s) const {
-    return at<Vector3d>(position_m, time_s, Vector3d::Constant(kNaN));
-  }
-  Vector3d quick_at(double time_s) const { return at<Vector3d>(quick_m, time_s, Vector3d::Constant(kNaN)); }
+  Vector3d position_at(double time_s) const { return at(position_m, time_s); }
+  Vector3d quick_at(double time_s) const { return at(quick_m, time_s); }
   Vector3d rate_at(double time_s) const {
     return (quick_at(time_s + step_s) - quick_at(time_s - step_s)) / (2.0 * step_s);
   }
+
+ private:
+  // Between which two points of the grid; NaN outside.
+  std::pair<std::size_t, double> place_of(double time_s, std::size_t size) const {
+    const double place = (time_s - start_s) / step_s;
+    if (!(place >= 0.0) || place + 1.0 >= static_cast<double>(size)) return {0, kNaN};
+    const auto k = static_cast<std::size_t>(place);
+    return {k, place - static_cast<double>(k)};
+  }
+  Vector3d at(const std::vector<Eigen::Vector3f>& values, double time_s) const {
+    const auto [k, share] = place_of(time_s, values.size());
+    if (!(share >= 0.0)) return Vector3d::Constant(kNaN);
+    const Vector3d before = values[k].cast<double>();
+    return before + share * (values[k + 1].cast<double>() - before);
+  }
 };
 
+// In single precision, too.
 struct QuickMotion {
-  double speed_m_s = kNaN;
-  Vector3d position_m = Vector3d::Constant(kNaN), quick_m = Vector3d::Constant(kNaN);
+  static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  float speed_m_s = kNone;
+  Eigen::Vector3f position_m = Eigen::Vector3f::Constant(kNone), quick_m = Eigen::Vector3f::Constant(kNone);
 };
 
 // What of a path is slow, by local_motion(): at some times, and between them by cubic Hermite interpolation,
@@ -93,9 +106,9 @@ QuickMotion quick_motion(const PointPath& path, const SlowMotion& slow, double t
                          const ClockOffsetOptions& options) {
   const auto motion = local_motion(path, time_s, options.smooth_s, options.longest_gap_s);
   if (!motion) return {};
-  const auto slow_m = slow.position_m(time_s);
-  return {motion->velocity_m_s.norm(), motion->position_m,
-          slow_m ? Vector3d(motion->position_m - *slow_m) : Vector3d::Constant(kNaN)};
+  const Vector3d slow_m = slow.position_m(time_s).value_or(Vector3d::Constant(kNaN));
+  return {static_cast<float>(motion->velocity_m_s.norm()), motion->position_m.cast<float>(),
+          (motion->position_m - slow_m).cast<float>()};
 }
 
 TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
@@ -104,6 +117,9 @@ TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
   if (path.time_s.empty()) return grid;
   grid.start_s = path.time_s.front();
   const auto count = static_cast<std::size_t>((path.time_s.back() - grid.start_s) * options.grid_hz) + 1;
+  grid.speed_m_s.reserve(count);
+  grid.position_m.reserve(count);
+  grid.quick_m.reserve(count);
   const SlowMotion slow(path, options);
   for (std::size_t k = 0; k < count; ++k) {
     const QuickMotion motion =
@@ -131,7 +147,8 @@ struct Correlation {
 Correlation correlation(const ComparedJoint& joint, double offset_s) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
-    const double a = joint.estimate[i].speed_m_s, b = joint.truth->speed_at(joint.time_s[i] + offset_s);
+    const double a = static_cast<double>(joint.estimate[i].speed_m_s),
+                 b = joint.truth->speed_at(joint.time_s[i] + offset_s);
     if (!std::isfinite(a) || !std::isfinite(b)) continue;
     n += 1.0;
     x += a;
@@ -216,7 +233,7 @@ struct Evidence {
 };
 using Blocks = std::map<std::int64_t, Evidence>;
 
-using MotionOf = Vector3d QuickMotion::*;
+using MotionOf = Eigen::Vector3f QuickMotion::*;
 using TruthAt = Vector3d (TruthGrid::*)(double) const;
 
 // The estimate onto the truth, as both are at an offset.
@@ -225,7 +242,7 @@ RigidTransform turn_at(const std::vector<ComparedJoint>& joints, double offset_s
   AlignmentSums sums;
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
-      const Vector3d from_m = joint.estimate[i].*estimate_m,
+      const Vector3d from_m = (joint.estimate[i].*estimate_m).cast<double>(),
                      to_m = ((*joint.truth).*truth_at)(joint.time_s[i] + offset_s);
       if (from_m.allFinite() && to_m.allFinite()) sums.add(from_m, to_m);
     }
@@ -241,8 +258,9 @@ double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s, Strea
   std::vector<double> sizes_m;
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
-      const double size_m =
-          (turn * joint.estimate[i].position_m - joint.truth->position_at(joint.time_s[i] + offset_s)).norm();
+      const double size_m = (turn * Vector3d(joint.estimate[i].position_m.cast<double>()) -
+                             joint.truth->position_at(joint.time_s[i] + offset_s))
+                                .norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
   return sizes_m.empty() ? kNaN : upper_median(sizes_m);
@@ -253,7 +271,8 @@ double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
       const double size_m =
-          (joint.estimate[i].quick_m - joint.truth->quick_at(joint.time_s[i] + offset_s)).norm();
+          (joint.estimate[i].quick_m.cast<double>() - joint.truth->quick_at(joint.time_s[i] + offset_s))
+              .norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
   return sizes_m.empty() ? 0.0 : upper_median(sizes_m);
@@ -263,7 +282,8 @@ void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, d
                   Blocks& blocks) {
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
     const double t = joint.time_s[i] + offset_s;
-    const Vector3d off = joint.estimate[i].quick_m - joint.truth->quick_at(t), rate = joint.truth->rate_at(t);
+    const Vector3d off = joint.estimate[i].quick_m.cast<double>() - joint.truth->quick_at(t),
+                   rate = joint.truth->rate_at(t);
     if (!off.allFinite() || !rate.allFinite()) continue;
     const double weight = scale_m > 0.0 ? 1.0 / (1.0 + off.squaredNorm() / (4.0 * scale_m * scale_m)) : 1.0;
     blocks[static_cast<std::int64_t>(std::floor(joint.time_s[i] / block_s))].add(
@@ -334,9 +354,9 @@ ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vec
 double mean_speed_m_s(const std::vector<ComparedJoint>& joints) {
   double sum_m_s = 0.0, n = 0.0;
   for (const ComparedJoint& joint : joints)
-    for (const double speed_m_s : joint.truth->speed_m_s)
+    for (const float speed_m_s : joint.truth->speed_m_s)
       if (std::isfinite(speed_m_s)) {
-        sum_m_s += speed_m_s;
+        sum_m_s += static_cast<double>(speed_m_s);
         n += 1.0;
       }
   return n > 0.0 ? sum_m_s / n : kNaN;
@@ -379,15 +399,17 @@ std::string_view name_of(ClockOffsetStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
-ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<const PointPath> truth,
+ClockOffset find_clock_offset(std::vector<PointPath> estimate, std::span<const PointPath> truth,
                               const ClockOffsetOptions& options) {
   TRILAT_CHECK(estimate.size() == truth.size(), "both streams hold the same joints");
   std::vector<ComparedJoint> joints;
   for (std::size_t j = 0; j < estimate.size(); ++j) {
     ComparedJoint joint{estimate[j].time_s, {}, std::make_shared<TruthGrid>(grid_of(truth[j], options))};
+    joint.estimate.reserve(joint.time_s.size());
     const SlowMotion slow(estimate[j], options);
     for (const double t : joint.time_s) joint.estimate.push_back(quick_motion(estimate[j], slow, t, options));
     joints.push_back(std::move(joint));
+    estimate[j] = {};  // of an hour its room is needed
   }
   ClockOffset result;
   result.speed_m_s = mean_speed_m_s(joints);
@@ -410,7 +432,8 @@ ClockOffset find_clock_offset(std::span<const PointPath> estimate, std::span<con
   if (options.frames == StreamFrames::turned) {
     const RigidTransform turn = turn_at(joints, start_s, &QuickMotion::quick_m, &TruthGrid::quick_at);
     for (ComparedJoint& joint : joints)
-      for (QuickMotion& motion : joint.estimate) motion.quick_m = turn.rotation * motion.quick_m;
+      for (QuickMotion& motion : joint.estimate)
+        motion.quick_m = turn.rotation.cast<float>() * motion.quick_m;
   }
   const Refined refined = refine(joints, start_s, options);
   result.sigma_s = refined.sigma_s;

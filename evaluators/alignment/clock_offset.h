@@ -68,8 +68,7 @@ struct ClockOffset {
 // the positions, less what is slow, are laid over each other in least squares with Cauchy's loss, which finds
 // the offset to a small part of a frame. Streams whose axes differ are first turned onto each other.
 // `estimate` and `truth` hold the same joints in the same order. InternalError otherwise.
-[[nodiscard]] ClockOffset find_clock_offset(std::span<const PointPath> estimate,
-                                            std::span<const PointPath> truth,
+[[nodiscard]] ClockOffset find_clock_offset(std::vector<PointPath> estimate, std::span<const PointPath> truth,
                                             const ClockOffsetOptions& options);
 
 }  // namespace trilat

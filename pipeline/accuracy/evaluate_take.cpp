@@ -140,8 +140,7 @@ SeenTake see_session(const Plan& plan, const PlannedTake& planned, StageClocks& 
   SeenTake seen;
   TakeData followed = follow_person(plan, planned, recorded, watch.stop_requested);
   if (leaves_out) seen.followed = followed;
-  seen.all =
-      see_take(plan, planned, std::move(followed), recorded.truth.get(), std::nullopt, watch.stop_requested);
+  seen.all = see_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, watch.stop_requested);
   result.tracking = tracking_of(plan, planned, seen.all);
   result.notes = seen.all.notes;
   if (leaves_out) append(result.notes, notes_on_silent(plan, planned, seen.all));
@@ -205,7 +204,7 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
   if (planned.truth == TakeTruth::left_out_sensor) {
     for (std::size_t s = 0; s < plan.rig.size(); ++s) {
       Predictions predictions(plan, planned, s);
-      solve(s, see_take(plan, planned, seen.followed, nullptr, s, watch.stop_requested), predictions);
+      solve(s, see_take(plan, planned, seen.followed, std::nullopt, s, watch.stop_requested), predictions);
       std::ranges::move(predictions.sums(), std::back_inserter(result.tracking.predictions));
     }
   } else {

@@ -67,7 +67,7 @@ TEST(LeftOut, TheSensorsTrackedJointsAreTheTruthAndNoMethodSeesThem) {
   const PlannedTake& planned = plan.takes[0];
   RecordedTake recorded = read_take(plan, planned, {});
   const TakeData followed = follow_person(plan, planned, recorded, {});
-  const TakeData data = see_take(plan, planned, followed, nullptr, 2, {});
+  const TakeData data = see_take(plan, planned, followed, std::nullopt, 2, {});
   std::size_t tracked = 0, inferred = 0;
   for (std::size_t i = 0; i < data.time.size(); ++i) {
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {

@@ -187,7 +187,7 @@ ClockOffset offset_of(const Plan& plan, const PointPath* truth, const BroughtTra
   options.search_s = plan.study.clock_search_s;
   options.grid_hz = 120.0;
   options.frames = StreamFrames::turned;
-  return find_clock_offset(some, some_truth, options);
+  return find_clock_offset(std::move(some), some_truth, options);
 }
 
 // Where the speeds do not tell: the start that lays the positions best over the truth's, if it does so

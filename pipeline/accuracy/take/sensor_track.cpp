@@ -74,6 +74,8 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
   SensorBodies result;
   std::vector<SensorFrame>& frames = result.frames;
   frames.reserve(rows);
+  result.bodies.reserve(session.counts(sensor).bodies);
+  std::vector<std::size_t> end_of_frame;  // in the bodies
   BodyIdentities identities;
   for (std::uint64_t first = 0; first < rows; first += kBlockRows) {
     if (stop_requested && stop_requested()) throw Interrupted();
@@ -86,9 +88,14 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
       const std::vector<std::uint64_t> identity =
           identities.of(row.bodies, (frame.time - HostTime{0}).seconds());
       for (std::size_t b = 0; b < row.bodies.size(); ++b)
-        frame.bodies.push_back({identity[b], observed(row.bodies[b], result.out_of_reach)});
-      frames.push_back(std::move(frame));
+        result.bodies.push_back({identity[b], observed(row.bodies[b], result.out_of_reach)});
+      end_of_frame.push_back(result.bodies.size());
+      frames.push_back(frame);
     }
+  }
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const std::size_t begin = f == 0 ? 0 : end_of_frame[f - 1];
+    frames[f].bodies = std::span(result.bodies).subspan(begin, end_of_frame[f] - begin);
   }
   result.jumps = identities.jumps();
   return result;

@@ -22,15 +22,20 @@ struct SeenBody {
 // Everybody whom one sensor sees at one time.
 struct SensorFrame {
   HostTime time;
-  std::vector<SeenBody> bodies;
+  std::span<const SeenBody> bodies;
 };
 
-// What one sensor sees in a session.
+// What one sensor sees in a session. Moved and not copied: frames refer to the bodies.
 struct SensorBodies {
+  SensorBodies() = default;
+  SensorBodies(SensorBodies&&) = default;
+  SensorBodies& operator=(SensorBodies&&) = default;
+
   std::vector<SensorFrame> frames;
-  JointCounts out_of_reach{};   // joints that were not used
-  std::uint64_t jumps = 0;      // bodies that became others under one tracking id
-  std::uint64_t not_later = 0;  // frames that were left out because their time does not rise
+  std::vector<SeenBody> bodies;  // of all frames, in one piece: an hour has a hundred thousand
+  JointCounts out_of_reach{};    // joints that were not used
+  std::uint64_t jumps = 0;       // bodies that became others under one tracking id
+  std::uint64_t not_later = 0;   // frames that were left out because their time does not rise
 };
 
 // All body frames of a sensor. Those whose time does not rise are left out. Throws Interrupted when asked to

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -24,40 +23,13 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kStopPeriod = 256;  // instants between two looks at stop_requested
-constexpr std::size_t kTogether = 64;     // instants that one thread looks at for occlusions
+constexpr std::size_t kTogether = 64;  // instants that one thread looks at for occlusions
 // A sensor_gap_s that fits a sensor's frames: so many times their distance, rounded up to whole steps.
 constexpr double kGapsOfFrames = 1.3, kGapStep_s = 0.05;
 constexpr double kHole = 2.0;  // times the median step between frames
 
-void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
-  if (i % kStopPeriod == 0 && stop_requested && stop_requested()) throw Interrupted();
-}
-
-[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned,
-                                       const MarkerTrack& truth) {
-  const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
-  throw InputError(
-      planned.take.mocap.string(),
-      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session runs "
-                  "from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s (mocap_start_host_ns is {})",
-                  start_s, start_s + plan.instant(planned.instants - 1).seconds(),
-                  static_cast<double>(truth.end().ns) * 1e-9, planned.take.mocap_start_host_ns));
-}
-
-// Fills in the truth and returns what there is to know of it.
-std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, const MarkerTrack& truth,
-                                 const std::function<bool()>& stop_requested, TakeData& data) {
-  const Duration offset = duration_from_s(data.clock.applied ? data.clock.offset_s : 0.0);
-  const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
-  data.truth_m.resize(data.time.size() * plan.joints.size());
-  for (std::size_t i = 0; i < data.time.size(); ++i) {
-    check_stop(i, stop_requested);
-    truth.at({(data.time[i] - mocap_start).ns},
-             std::span(data.truth_m).subspan(i * plan.joints.size(), plan.joints.size()));
-  }
-  if (std::ranges::none_of(data.truth_m, [](const auto& p) { return p.allFinite(); }))
-    refuse_without_truth(plan, planned, truth);
+// What there is to know of the truth.
+std::vector<TakeNote> notes_on_truth(const PlannedTake& planned, const SampledTruth& truth) {
   std::vector<TakeNote> notes;
   const auto note = [&](std::string text) {
     notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
@@ -66,8 +38,16 @@ std::vector<TakeNote> read_truth(const Plan& plan, const PlannedTake& planned, c
     note(
         "has its z axis up: the person stands along it. It was turned so that y is up, as everywhere here; "
         "say \"up_axis\": \"y\" in the take if that is wrong");
-  for (std::string& text : oddities_of(truth)) note(std::move(text));
+  for (const std::string& text : truth.oddities) note(text);
   return notes;
+}
+
+// Puts the truth where the clock's offset says.
+void apply_clock(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
+                 TakeData& data) {
+  data.clock.applied = true;
+  data.truth_m =
+      sample_truth(plan, planned, duration_from_s(data.clock.offset_s), false, stop_requested).at_instants_m;
 }
 
 void append(TakeChecks more, TakeData& data) {
@@ -134,7 +114,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
 // With "clock": "motion" the stated start may be seconds off, and by it another person can be nearest to the
 // truth: puts the truth at the offset by which one of several persons moves as it does.
 void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                           const MarkerTrack& truth, const std::function<bool()>& stop_requested,
+                           const std::vector<PointPath>& truth, const std::function<bool()>& stop_requested,
                            TakeData& data) {
   const std::vector<PersonChoice> candidates = candidates_of(planned, seen);
   if (candidates.size() < 2) return;
@@ -142,23 +122,23 @@ void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const R
   ClockRow best;
   for (const PersonChoice& person : candidates) {
     data.bodies = follow(plan, seen, &person, data.time);
-    const ClockRow row = clock_by_motion(plan, planned, data, truth, stop_requested).row;
+    const ClockRow row = clock_by_motion(plan, planned, data, truth).row;
     if (!std::isfinite(row.offset_s) || !(row.peak > best_peak)) continue;
     best_peak = row.peak;
     best = row;
   }
   if (best_peak < 0.0) return;
   data.clock = best;
-  data.clock.applied = true;
-  read_truth(plan, planned, truth, stop_requested, data);
+  apply_clock(plan, planned, stop_requested, data);
 }
 
 // Chooses the person and takes their bodies at the instants.
 void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                   const MarkerTrack* truth, const std::function<bool()>& stop_requested, TakeData& data) {
+                   const std::optional<SampledTruth>& truth, const std::function<bool()>& stop_requested,
+                   TakeData& data) {
   append({{}, notes_on_streams(plan, planned, seen)}, data);
   if (truth && plan.study.clock == ClockSource::motion)
-    place_truth_by_motion(plan, planned, seen, *truth, stop_requested, data);
+    place_truth_by_motion(plan, planned, seen, truth->dense, stop_requested, data);
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
   std::optional<SensorChecks> checks;
@@ -238,17 +218,16 @@ void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor,
 }
 
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.
-void check_clock(const Plan& plan, const PlannedTake& planned, const MarkerTrack& truth,
+void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector<PointPath>& truth,
                  const std::function<bool()>& stop_requested, TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
-  MotionClock clock = clock_by_motion(plan, planned, data, truth, stop_requested);
+  MotionClock clock = clock_by_motion(plan, planned, data, truth);
   data.clock = clock.row;
   if (!clock.warning.empty())
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
   if (plan.study.clock != ClockSource::motion) return;
-  data.clock.applied = std::isfinite(data.clock.offset_s);
-  if (data.clock.applied)
-    read_truth(plan, planned, truth, stop_requested, data);
+  if (std::isfinite(data.clock.offset_s))
+    apply_clock(plan, planned, stop_requested, data);
   else
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(),
                           "keeps its stated start, since by the motion the clocks' offset is not known (" +
@@ -302,12 +281,11 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
   const SessionReader session(planned.take.session);
   RecordedTake recorded;
   recorded.is_closed = session.complete();
+  if (planned.truth == TakeTruth::mocap)  // before the bodies: markers need room until they are sampled
+    recorded.truth = sample_truth(plan, planned, {}, plan.study.clock != ClockSource::stated, stop_requested);
   for (std::size_t s = 0; s < plan.rig.size(); ++s)
     recorded.bodies.push_back(
         read_sensor_bodies(session, planned.session_sensor[s], planned.host_from_sensor[s], stop_requested));
-  if (planned.truth == TakeTruth::mocap)
-    recorded.truth = std::make_shared<MarkerTrack>(
-        truth_of(planned, plan.joints, duration_from_s(plan.study.truth_gap_s)));
   return recorded;
 }
 
@@ -326,19 +304,21 @@ TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTak
         "has no motion capture: each sensor is predicted from the others, and the differences stand under "
         "\"" +
         planned.take.activity + '"');
-  if (recorded.truth)
-    for (TakeNote& odd : read_truth(plan, planned, *recorded.truth, stop_requested, data))
-      data.notes.push_back(std::move(odd));
+  if (recorded.truth) {
+    data.truth_m = std::move(recorded.truth->at_instants_m);
+    append({{}, notes_on_truth(planned, *recorded.truth)}, data);
+  }
   const RigBodies bodies = std::exchange(recorded.bodies, {});
-  follow_bodies(plan, planned, bodies, recorded.truth.get(), stop_requested, data);
+  follow_bodies(plan, planned, bodies, recorded.truth, stop_requested, data);
   return data;
 }
 
-TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data, const MarkerTrack* truth,
-                  std::optional<std::size_t> left_out, const std::function<bool()>& stop_requested) {
+TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data,
+                  const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
+                  const std::function<bool()>& stop_requested) {
   repair(plan, planned, left_out, data);
   if (truth) {
-    check_clock(plan, planned, *truth, stop_requested, data);
+    check_clock(plan, planned, truth->dense, stop_requested, data);
     append(check_truth(plan, planned, data), data);
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
@@ -359,7 +339,7 @@ TakeData load_take(const Plan& plan, const PlannedTake& planned,
                    const std::function<bool()>& stop_requested) {
   RecordedTake recorded = read_take(plan, planned, stop_requested);
   TakeData followed = follow_person(plan, planned, recorded, stop_requested);
-  return see_take(plan, planned, std::move(followed), recorded.truth.get(), std::nullopt, stop_requested);
+  return see_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, stop_requested);
 }
 
 void observe_joint(const TakeData& data, std::size_t instant, Joint joint,

@@ -4,10 +4,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <vector>
 
+#include "evaluators/alignment/interpolation.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/fusion/joint_observation.h"
@@ -62,13 +62,18 @@ struct TakeData {
   }
 };
 
-class MarkerTrack;
+// The truth of a take that mocap judges.
+struct SampledTruth {
+  std::vector<Eigen::Vector3d> at_instants_m;  // by instant and joint of the plan, NaN where there is none
+  std::vector<PointPath> dense;  // by joint, in seconds since the first instant; none with a stated clock
+  std::vector<std::string> oddities;
+};
 
 // A take as it was recorded, read whole.
 struct RecordedTake {
-  std::vector<SensorBodies> bodies;    // by rig sensor
-  std::shared_ptr<MarkerTrack> truth;  // of a take that mocap judges
-  bool is_closed = true;               // by its recorder
+  std::vector<SensorBodies> bodies;  // by rig sensor
+  std::optional<SampledTruth> truth;
+  bool is_closed = true;  // by its recorder
 };
 RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
                        const std::function<bool()>& stop_requested);
@@ -84,8 +89,9 @@ TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTak
 // and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked joints are
 // the truth, which has none where it does not track (inferred ones are the tracker's guess); it and its
 // predictors are put right each without the other.
-TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed, const MarkerTrack* truth,
-                  std::optional<std::size_t> left_out, const std::function<bool()>& stop_requested);
+TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed,
+                  const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
+                  const std::function<bool()>& stop_requested);
 
 // All of the three: a take as methods see it that leaves no sensor out.
 TakeData load_take(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested);

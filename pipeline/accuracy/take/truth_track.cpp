@@ -23,9 +23,24 @@ constexpr double kGrid_hz = 120.0;
 constexpr double kLongestLag_s = 0.1;
 constexpr double kNoticeable_m = 0.005;  // mean speed times what the lag does not explain
 
+void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
+  constexpr std::size_t kPeriod = 256;
+  if (i % kPeriod == 0 && stop_requested && stop_requested()) throw Interrupted();
+}
+
+// With room for so many points.
+std::vector<PointPath> empty_paths(const Plan& plan, std::size_t points) {
+  std::vector<PointPath> paths(plan.joints.size());
+  for (PointPath& path : paths) {
+    path.time_s.reserve(points);
+    path.position_m.reserve(points);
+  }
+  return paths;
+}
+
 // Seconds since the first instant, on the host clock.
 std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  std::vector<PointPath> paths(plan.joints.size());
+  std::vector<PointPath> paths = empty_paths(plan, data.time.size());
   std::vector<JointObservation> seen(plan.rig.size());
   for (std::size_t i = 0; i < data.time.size(); ++i)
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {
@@ -36,17 +51,18 @@ std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& plan
   return paths;
 }
 
-std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                  double margin_s, const MarkerTrack& truth,
+// So far beyond both ends as the clock is searched.
+std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, const MarkerTrack& truth,
                                   const std::function<bool()>& stop_requested) {
-  std::vector<PointPath> paths(plan.joints.size());
+  const double margin_s = plan.study.clock_search_s + 3.0 * ClockOffsetOptions{}.slow_s;
   std::vector<Eigen::Vector3d> joints(plan.joints.size());
-  const double length_s = (data.time.back() - data.time.front()).seconds() + 2.0 * margin_s;
+  const double length_s = plan.instant(planned.instants - 1).seconds() + 2.0 * margin_s;
   const auto count = static_cast<std::size_t>(length_s * kTruthRate_hz) + 1;
+  std::vector<PointPath> paths = empty_paths(plan, count);
   for (std::size_t k = 0; k < count; ++k) {
-    if (k % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
+    check_stop(k, stop_requested);
     const double since_s = static_cast<double>(k) / kTruthRate_hz - margin_s;
-    const HostTime t = data.time.front() + duration_from_s(since_s);
+    const HostTime t = planned.start + duration_from_s(since_s);
     truth.at({(t - HostTime{planned.take.mocap_start_host_ns}).ns}, joints);
     for (std::size_t j = 0; j < joints.size(); ++j) {
       paths[j].time_s.push_back(since_s);
@@ -54,6 +70,17 @@ std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, 
     }
   }
   return paths;
+}
+
+[[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned,
+                                       const MarkerTrack& truth) {
+  const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
+  throw InputError(
+      planned.take.mocap.string(),
+      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session runs "
+                  "from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s (mocap_start_host_ns is {})",
+                  start_s, start_s + plan.instant(planned.instants - 1).seconds(),
+                  static_cast<double>(truth.end().ns) * 1e-9, planned.take.mocap_start_host_ns));
 }
 
 // What a user has to know of a clock that the trackers' lag does not explain; empty when there is nothing.
@@ -103,6 +130,25 @@ MarkerTrack truth_of(const PlannedTake& planned, const std::vector<Joint>& joint
           planned.truth_has_z_up};
 }
 
+SampledTruth sample_truth(const Plan& plan, const PlannedTake& planned, Duration offset, bool densely,
+                          const std::function<bool()>& stop_requested) {
+  const MarkerTrack track = truth_of(planned, plan.joints, duration_from_s(plan.study.truth_gap_s));
+  SampledTruth truth;
+  const Duration mocap_start{planned.take.mocap_start_host_ns - offset.ns};
+  const std::size_t joints = plan.joints.size();
+  truth.at_instants_m.resize(planned.instants * joints);
+  for (std::uint64_t i = 0; i < planned.instants; ++i) {
+    check_stop(i, stop_requested);
+    track.at({(planned.start + plan.instant(i) - mocap_start).ns},
+             std::span(truth.at_instants_m).subspan(i * joints, joints));
+  }
+  if (std::ranges::none_of(truth.at_instants_m, [](const auto& p) { return p.allFinite(); }))
+    refuse_without_truth(plan, planned, track);
+  if (densely) truth.dense = true_paths(plan, planned, track, stop_requested);
+  truth.oddities = oddities_of(track);
+  return truth;
+}
+
 std::string cause_of(const std::string& status) {
   const auto is = [&](ClockOffsetStatus one) { return status == name_of(one); };
   if (is(ClockOffsetStatus::too_little_motion))
@@ -118,17 +164,14 @@ std::string cause_of(const std::string& status) {
 }
 
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                            const MarkerTrack& truth, const std::function<bool()>& stop_requested) {
+                            const std::vector<PointPath>& truth) {
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
   options.frames = !planned.in_mocap_world     ? StreamFrames::turned
                    : judges_places(plan.study) ? StreamFrames::same
                                                : StreamFrames::shifted;
-  const ClockOffset found = find_clock_offset(
-      estimated_paths(plan, planned, data),
-      true_paths(plan, planned, data, options.search_s + 3.0 * options.slow_s, truth, stop_requested),
-      options);
+  const ClockOffset found = find_clock_offset(estimated_paths(plan, planned, data), truth, options);
   ClockRow row;
   row.status = name_of(found.status);
   row.offset_s = found.offset_s;

@@ -21,6 +21,13 @@ namespace trilat {
 MarkerTrack truth_of(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
                      MocapTime until = {std::numeric_limits<std::int64_t>::max()});
 
+// Reads a take's truth and keeps it at the instants and, where `densely`, for the clock by motion; the
+// markers themselves go, since those of an hour are as large as all that its sensors see. The mocap's time is
+// the stated one + `offset`. InputError when it holds no truth for the session's time; Interrupted when asked
+// to stop.
+SampledTruth sample_truth(const Plan& plan, const PlannedTake& planned, Duration offset, bool densely,
+                          const std::function<bool()>& stop_requested);
+
 struct MotionClock {
   ClockRow row;
   std::string warning;  // what the trackers' lag does not explain, for the take's notes; empty when it does
@@ -30,8 +37,8 @@ struct MotionClock {
 std::string cause_of(const std::string& status);
 
 // By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
-// against the ground truth. `data` has its times and bodies.
+// against the dense truth. `data` has its times and bodies.
 MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                            const MarkerTrack& truth, const std::function<bool()>& stop_requested);
+                            const std::vector<PointPath>& truth);
 
 }  // namespace trilat
