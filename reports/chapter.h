@@ -12,7 +12,7 @@
 
 namespace trilat {
 
-// What one results folder becomes.
+// The chapter of one results folder.
 struct Chapter {
   Provenance provenance;
   std::filesystem::path results;
@@ -30,7 +30,7 @@ struct Chapter {
   std::vector<PackedReplay> replays = {};
 };
 
-// Reads a results folder of any kind; with `paper`, what the paper says stands beside and comes first.
+// Reads a results folder of any kind; with `paper`, what the paper says comes beside it and first.
 // InputError with the place when it holds no results of this version.
 Chapter read_chapter(const std::filesystem::path& results, bool paper);
 

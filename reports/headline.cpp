@@ -42,7 +42,7 @@ void put_in_headline(ReportContent& content, const auto& is_wanted) {
       }
 }
 
-// The warnings of all studies. A warning that several give stands once, behind their names.
+// The warnings of all studies. A warning that several give is printed once, behind their names.
 std::vector<std::string> warnings_of(const std::vector<Chapter>& chapters) {
   std::vector<std::pair<std::string, std::string>> said;  // by whom, and what
   for (const Chapter& chapter : chapters)

@@ -16,8 +16,8 @@ struct InputFile {
   std::string take, role, file, sha256;  // sha256 is empty when it could not be read
 };
 
-// What went into a results folder, as its manifest.json has it, and where it was computed, as run.json has
-// it. Texts are empty where those files do not say.
+// Inputs of a results folder, from its manifest.json, and where it was computed, from run.json. Texts are
+// empty where those files do not say.
 struct Provenance {
   std::string folder;  // the name of the results folder
   StudyKind kind = StudyKind::accuracy;
@@ -46,7 +46,7 @@ std::string folder_name(const std::filesystem::path& folder);
 std::string commands_of(const Provenance& provenance);
 std::string study_file(const Provenance& provenance);  // "studies/table3.json"
 
-// What the simulation of one or several studies assumes, with sources.
+// Assumptions of the simulation of one or several studies, with sources.
 Table parameters_table(const std::vector<DeclaredParameter>& parameters, const std::string& studies);
 
 }  // namespace trilat

@@ -15,7 +15,7 @@
 
 namespace trilat {
 
-// What a reader of the first screen takes home; **bold** and `code` as in Markdown.
+// Content of the first screen; **bold** and `code` as in Markdown.
 struct Headline {
   std::string origin;                 // "Simulated data", "Recorded data", or both
   std::string asked;                  // one question
@@ -41,7 +41,7 @@ struct ReportContent {
 
 // Reads results folders in this order and draws their figures. `paper`: what they say about the paper, as far
 // as that was asked; `changes`: between two of them; `history`: of the nights, whose verdict leads.
-// `progress` is told the share that is done.
+// `progress` gets the share that is done.
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper = {},
                           const std::optional<ErrorChanges>& changes = {}, const History& history = {},

@@ -22,7 +22,7 @@ struct ReportOptions {
   std::function<void(double)> progress = {};  // share of the work that is done
 };
 
-// What a report is made of.
+// The files of a report.
 struct ReportFiles {
   Headline headline;
   std::size_t tables = 0, figures = 0;

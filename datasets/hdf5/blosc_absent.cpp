@@ -7,7 +7,7 @@ namespace trilat {
 bool has_blosc() { return false; }
 
 std::vector<std::byte> blosc_bytes(std::span<const std::byte>, std::size_t) {
-  TRILAT_CHECK(false, "nobody asks for Blosc where there is none");
+  TRILAT_CHECK(false, "Blosc is not called where it is not installed");
   return {};
 }
 

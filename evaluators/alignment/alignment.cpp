@@ -109,7 +109,7 @@ Alignment solve_alignment(const AlignmentSums& sums, AlignmentKind kind) {
       solve_rigid(sums, result);
       break;
     case AlignmentKind::joint_offset:
-      TRILAT_CHECK(false, "a joint's offset is no transform of the world");
+      TRILAT_CHECK(false, "a joint's offset is not a transform of the world");
   }
   return result;
 }

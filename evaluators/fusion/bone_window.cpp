@@ -24,7 +24,7 @@ void check(const BodyPath& path) {
   for (std::size_t i = 1; i < path.time_ns.size(); ++i)
     TRILAT_CHECK(path.time_ns[i] > path.time_ns[i - 1], "times rise");
   for (std::size_t j = 0; j < path.joints.size(); ++j)
-    TRILAT_CHECK(std::ranges::count(path.joints, path.joints[j]) == 1, "every joint stands once");
+    TRILAT_CHECK(std::ranges::count(path.joints, path.joints[j]) == 1, "every joint is listed once");
 }
 
 // Each joint by itself, smoothed.

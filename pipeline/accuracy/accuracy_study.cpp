@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 // The first part of the ids of takes.
 std::string item_of(const PlannedTake& planned) { return "takes/" + planned.take.id; }
 
-// What the items of one study share.
+// The state that all items of one study share.
 struct AccuracyRun {
   Plan plan;
   bool cross_check = false;
@@ -100,7 +100,7 @@ Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Wa
   }
 }
 
-// What a summary says before any error is looked at.
+// The part of a summary that needs no errors.
 ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   ResultsSummary summary;
   summary.study = plan.study.name;
@@ -197,7 +197,7 @@ Json inputs_json(const AccuracyRun& run) {
   return list;
 }
 
-// What went into the results. Files that cannot be read are listed without a hash.
+// The inputs and settings of the results. Files that cannot be read are listed without a hash.
 Json manifest_of_run(const AccuracyRun& run) {
   const Plan& plan = run.plan;
   Json methods = Json::array(), takes = Json::array();

@@ -28,7 +28,7 @@ void append(std::vector<TakeNote>& notes, std::vector<TakeNote> more) {
   std::ranges::move(more, std::back_inserter(notes));
 }
 
-// What estimates are held against: the mocap, or each sensor in turn.
+// The truths that estimates are held against: the mocap, or each sensor in turn.
 std::vector<std::string> tracks_of(const Plan& plan, const PlannedTake& planned) {
   return planned.truth == TakeTruth::left_out_sensor ? plan.rig : std::vector<std::string>{"mocap"};
 }
@@ -50,7 +50,7 @@ std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& plan
   return paths;
 }
 
-// What the sensors say with none left out.
+// The checks and disagreements of a take with all its sensors.
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
   TakeTracking tracking{data.checks, data.clock, rays_of(plan, planned, data)};
   tracking.clock.take = planned.take.id;
@@ -122,7 +122,7 @@ Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& d
   return replay;
 }
 
-// What methods see of a take, and what it brings.
+// A take as methods see it, and the joints that it brings.
 struct SeenTake {
   TakeData all;       // by all sensors; without sensors the instants and their truth alone
   TakeData followed;  // before anything is repaired, of a take whose sensors are left out in turn

@@ -29,7 +29,7 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
 // samples, and the item is replaced. InputError when there is no such item.
 ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings);
 
-// Whether this is the first take of its condition that can be evaluated, as far as the plan knows.
+// Whether this is the first take of its condition that can be evaluated, by the plan.
 bool is_replayed(const Plan& plan, std::size_t take);
 
 }  // namespace trilat

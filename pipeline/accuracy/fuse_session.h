@@ -54,7 +54,7 @@ struct CorrectedCalibration {
 CorrectedCalibration correct_calibration(const std::filesystem::path& session,
                                          const std::filesystem::path& calibration, const Watch& watch);
 
-// As the writers of marker files take it; refers to `fused`.
+// The joints as writers of marker files take them; refers to `fused`.
 JointTrack track_of(const FusedSession& fused);
 
 }  // namespace trilat

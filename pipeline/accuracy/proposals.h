@@ -21,7 +21,7 @@ JointMapping propose_mapping(const MocapHeader& header);
 // Whether a take's sensors are placed in the world of its mocap; else only a rigid alignment compares them.
 bool is_in_mocap_world(const Take& take);
 
-// What the recording's host clock showed at the first frame of a take's mocap, by the motion.
+// The time on the recording's host clock at the first frame of a take's mocap, by the motion.
 struct MocapStart {
   std::string status;  // name_of(ClockOffsetStatus); the rest counts when it is "found"
   std::string cause;   // why not, as a sentence; empty when found

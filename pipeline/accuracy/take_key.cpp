@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-// Of a study, what a take's samples do not depend on.
+// Settings of a study that a take's samples do not depend on.
 constexpr const char* kOfTheSummary[] = {"name",       "conditions",     "occluded_apart",     "reference",
                                          "alignments", "training_share", "cross_check_limit_m"};
 

@@ -13,7 +13,7 @@ namespace trilat {
 struct CalibrateBodiesOptions {
   std::size_t instants = 100;   // spread evenly over the recording
   double longest_gap_s = 0.11;  // between two frames of a sensor that are interpolated
-  // Of a tracked joint, an axis: 3 cm of bias and 1.5 cm of noise.
+  // Standard deviation of a tracked joint, an axis: 3 cm of bias and 1.5 cm of noise.
   double joint_sigma_m = 0.0335;
   double robust_scale = 2.0;  // soft-L1 loss, in standard deviations
   std::function<bool()> stop_requested = {};

@@ -131,7 +131,7 @@ SensorPose pose_from(const RefinedSensor& refined, const std::string& name) {
   return pose;
 }
 
-// What was left out, with its distance from where the others see the ball.
+// The sightings that were left out, each with its distance from where the others see the ball.
 std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRefinement& refined,
                                           const WandViews& views) {
   std::vector<RejectedSighting> rejected;

@@ -17,9 +17,9 @@ struct CalibrateWandOptions : ViewWandOptions {
   std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
   double movement_sigma_m = 0.001;
   bool depth_correction = true;
-  // Of the paper's two positions; without: y as printed, z (a horizontal axis) corrected.
+  // Axis of the paper's two positions; without: y as printed, z (a horizontal axis) corrected.
   std::optional<TrajectoryAxis> trajectory_axis = std::nullopt;
-  // What the covariance of a ball's centre leaves out where depth offsets are not estimated.
+  // Depth uncertainty beside a ball's covariance where depth offsets are not estimated.
   double uncorrected_depth_sigma_m = 0.014;
 };
 

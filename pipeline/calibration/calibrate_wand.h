@@ -19,7 +19,7 @@ namespace trilat {
 enum class WandMethod { wand, two_positions, printed };
 
 // Sensor poses from recordings of a wand that was held still at many places. All recordings are of one rig.
-// Of another method than `wand` there are no positions in the world.
+// Another method than `wand` gives no positions in the world.
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method = WandMethod::wand);
 

@@ -40,7 +40,7 @@ struct PointMean {
     squares_m2 += (position_m - first_m).squaredNorm();
   }
   Eigen::Vector3d mean_m() const { return sum_m / samples; }
-  // Of the mean, an axis. One sample alone tells no scatter.
+  // Variance of the mean, an axis. One sample alone has no scatter.
   double variance_m2() const {
     if (samples < 2) return 0.0;
     const double scatter_m2 = squares_m2 - samples * (mean_m() - first_m).squaredNorm();

@@ -37,8 +37,8 @@ struct WandInWorld {
   std::filesystem::path mocap;
   std::string asset;  // whose position is the ball's centre
   std::int64_t mocap_start_host_ns = 0;
-  // Of a place, an axis, beside what its samples scatter: what OptiTrack's own calibration leaves. OptiTrack
-  // states +-0.1 mm for its best cameras.
+  // Standard deviation of a place, an axis, beside its samples' scatter: from OptiTrack's own calibration,
+  // which states +-0.1 mm for its best cameras.
   double sigma_m = 0.0001;
   std::optional<WandTrack> track = std::nullopt;  // read from the export where it is not here
 };

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kBlock = 60;  // frames that are searched one after the other, apart from all others
 
-// What neighbouring depth frames of one sensor show.
+// Sightings in neighbouring depth frames of one sensor.
 struct SearchedBlock {
   std::size_t sensor = 0;
   std::uint64_t first = 0, count = 0;
@@ -24,7 +24,7 @@ struct SearchedBlock {
   std::map<std::string, std::uint64_t> statuses;
 };
 
-// What all frames of a sensor need.
+// Tables that all frames of a sensor share.
 struct SearchedSensor {
   DepthRays rays;
   SensorClockMap host_from_sensor;
@@ -48,7 +48,7 @@ void search(const SessionReader& session, const SearchedSensor& sensor, const Wa
   }
 }
 
-// Of all depth frames, sensor by sensor in their order.
+// Sightings in all depth frames, sensor by sensor in their order.
 std::vector<SearchedBlock> search_all(const SessionReader& session,
                                       const std::vector<DepthIntrinsics>& intrinsics,
                                       const WandSearchOptions& options) {
@@ -175,7 +175,7 @@ std::vector<bool> sensors_that_saw(const WandViews& views) {
   return saw;
 }
 
-// Places that only one sensor saw say nothing of where it stands beside the others, and a hand that drifts
+// Places that only one sensor saw do not show where it stands beside the others, and a hand that drifts
 // may make two rests of one place.
 void keep_useful_positions(WandViews& views) {
   constexpr double kSamePlace_m = 0.05;

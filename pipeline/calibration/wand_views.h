@@ -27,7 +27,7 @@ struct WandSearchOptions {
   Watch watch = {};
 };
 
-// What a calibration rests on, for the text a person judges it by.
+// Evidence that a calibration rests on, for the text a person judges it by.
 struct SensorEvidence {
   std::string name;
   std::uint64_t frames = 0;
@@ -59,7 +59,7 @@ WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptio
 // One entry a sensor.
 std::vector<bool> sensors_that_saw(const WandViews& views);
 
-// Leaves out places that only one sensor saw, which say nothing of where it stands beside the others, and
+// Leaves out places that only one sensor saw, which do not show its pose beside the others, and
 // places nearer than 5 cm to the one before: a hand that drifts may make two rests of one place.
 void keep_useful_positions(WandViews& views);
 

@@ -30,11 +30,11 @@ ColumnMeans column_means(const std::vector<double>& by_column);
 // "1.17 cm (95 % interval 0.68 to 1.69 cm)"; says so when there is no answer or no interval.
 std::string mean_text(const ErrorSpread& spread);
 
-// What one can take away: the paper's claim, what the study got, why they differ. One sentence or two each;
+// Findings: the paper's claim, what the study got, why they differ. One sentence or two each;
 // none about a part that was not run.
 std::vector<std::string> calibration_sentences(const CalibrationSummary& summary);
 
-// What one error of the paper alone does to finding the wand.
+// Effect of one error of the paper alone on finding the wand.
 struct WandErratum {
   std::string id;       // "E1"
   std::string problem;  // "E1: eq. 3 as printed stops when …"

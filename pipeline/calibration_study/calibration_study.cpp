@@ -103,7 +103,7 @@ namespace {
 constexpr std::uint64_t kBlockFrames = 50;
 constexpr int kMiddleRow = kDepthHeight / 2;
 
-// Of the middle row's columns, over some frames.
+// Sums of the middle row's columns, over some frames.
 struct RowSums {
   std::vector<std::uint64_t> valid = std::vector<std::uint64_t>(kDepthWidth, 0);
   std::vector<double> depth = std::vector<double>(kDepthWidth, 0.0);

@@ -39,7 +39,8 @@ struct WandRow {
   ErrorSpread recommended;  // 0.8 to 3 m and below 26 degrees
   ErrorSpread near;         // nearer than 0.5 m
   std::map<std::string, std::uint64_t> statuses;  // of `all`
-  // Of the distance sensor - ball centre alone, in the recommended range: what a laser meter can tell.
+  // Errors of the distance from sensor to ball centre alone, in the recommended range: a laser meter measures
+  // it.
   ErrorSpread recommended_distance = {};
 
   TRILAT_FIELDS(method, scene, all, recommended, near, statuses, recommended_distance)

@@ -9,7 +9,7 @@
 
 namespace trilat {
 
-// What a calibration study shows, beside the paper's statements; a part that was not run gives none.
+// Tables of a calibration study, beside the paper's statements; a part that was not run gives none.
 StoredTables calibration_tables(const CalibrationSummary& summary);
 
 // The paper's two calibration figures, from simulated samples: error against distance and angle, and depth

@@ -21,8 +21,7 @@ std::vector<RigRow> read_rigs(const CalibrationSpec& spec, const Outcomes& outco
 // The poses of the study's rig.
 std::vector<RigidTransform> true_rig(const CalibrationSpec& spec);
 
-// How an error of a pose (rotation vector, rad; position, m) stands to the covariance that is stated for it.
-// 0 axes where none is.
+// Error of a pose (rotation vector, rad; position, m) relative to its stated covariance. 0 axes without one.
 struct PoseMisfit {
   double rotation_z2 = ErrorSpread::kNone,
          position_z2 = ErrorSpread::kNone;   // (error / sigma)^2, mean of 3 axes

@@ -138,7 +138,7 @@ struct SampleOutcome {
   TRILAT_FIELDS(error_m, distance_error_m, status)
 };
 
-// Of one unit: sample by sample, in each the far wall first.
+// Outcomes of one unit: sample by sample, in each the far wall first.
 struct UnitOutcomes {
   std::vector<SampleOutcome> images;
   TRILAT_FIELDS(images)

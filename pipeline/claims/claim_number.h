@@ -22,8 +22,7 @@ inline constexpr ClaimBound more_than(double margin) { return {ClaimBound::Side:
 inline constexpr ClaimBound less_than(double margin) { return {ClaimBound::Side::less_than, margin}; }
 inline constexpr ClaimBound within(double margin) { return {ClaimBound::Side::within, margin}; }
 
-// What was measured, as a share of one (its unit is "%" then) or in the unit. A plain number is of all that
-// there is: nothing was sampled.
+// A measured value, as a share of one (its unit is "%" then) or in the unit. A plain number was not sampled.
 using MeasuredNumber = std::variant<ContrastEstimate, ShareEstimate, double>;
 
 struct Measurement {
@@ -52,7 +51,7 @@ ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound);
 // does (the smallest, times their number).
 ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers);
 
-// As it is stored; without a bound where nothing is to be decided.
+// The stored form of a measurement; without a bound where nothing is to be decided.
 ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
                          const std::optional<ClaimBound>& bound);
 

@@ -12,7 +12,7 @@
 namespace trilat {
 
 // Two methods to compare. A name is that of a method; of a family, whose methods are taken together; or "best
-// of FAMILY": for each cluster the method of it that does best on all others, so that nobody is judged by
+// of FAMILY": for each cluster the method of it that does best on all others, so that no cluster is judged by
 // whom they helped to choose.
 struct Comparison {
   std::string of, against;
@@ -25,7 +25,7 @@ struct ErrorPlace {
   std::string condition = "walking", group = {};
 };
 
-// What the paper's claims of accuracy are judged by: the errors of one study under its first alignment, at
+// Measures for the paper's claims of accuracy: the errors of one study under its first alignment, at
 // the joint groups of which the paper prints errors in that condition. Keeps a reference to the errors.
 class ErrorMeasures {
  public:
@@ -39,8 +39,7 @@ class ErrorMeasures {
   Measurements abrupt(const std::string& method) const;
   // How far the fastest of the joints goes in that time, in shares of the method's error there.
   Measurements clock_cost(const std::string& method, double clock_s) const;
-  // Of the height of the right wrist, which the paper's figure shows: the largest error in a take, and the
-  // mean.
+  // Errors of the right wrist's height, which the paper's figure shows: the largest in a take, and the mean.
   Measurements wrist_deviation(const std::string& method) const;
 
  private:

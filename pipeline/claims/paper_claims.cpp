@@ -275,7 +275,7 @@ void add_numbers(const char* id, const std::optional<ClaimBound>& bound, const M
   for (const Measurement& one : measured) numbers.push_back(claim_number(id, one, bound));
 }
 
-// Of every claim and erratum that is measured in such a study.
+// The numbers of every claim and erratum that is measured in such a study.
 template <class Source>
 std::vector<ClaimNumber> numbers_of(const std::string& study, const Source& source) {
   std::vector<ClaimNumber> numbers;

@@ -37,7 +37,7 @@ struct PaperClaim {
 };
 std::span<const PaperClaim> paper_claims();
 
-// What an erratum does to errors: the method as printed against the corrected one.
+// Effect of an erratum on errors: the method as printed against the corrected one.
 struct ErratumEffect {
   const char *id, *study;
   ClaimMeasure measure;

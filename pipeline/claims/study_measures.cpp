@@ -40,7 +40,7 @@ std::optional<std::size_t> wand_row(const CalibrationSummary& s) {
 
 Measurements lacking_wand() { return lacking("a calibration study with the wand before a far wall"); }
 
-// What one reading of Table I comes to.
+// Outcome of one reading of Table I.
 struct Reading {
   bool is_near = false;        // every error, as the mean distance or as the mean over axes
   bool is_compromise = false;  // C = 1e-4, at every error range

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `trilat run` reads and says of studies of kind accuracy.
+// Input and output of `trilat run` for studies of kind accuracy.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 namespace trilat {
 namespace {
 
-// Whose each take is when the work is divided.
+// Shard of each take, 1 to `shards`.
 std::vector<std::uint64_t> owners_of(const Plan& plan, std::uint64_t shards) {
   std::vector<double> costs;
   for (const PlannedTake& take : plan.takes) costs.push_back(cost_of(take));

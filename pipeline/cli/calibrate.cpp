@@ -87,7 +87,7 @@ Table sensors_table(const Calibration& calibration, const std::vector<SensorEvid
   return table;
 }
 
-// What a person should look at before trusting the calibration; empty when there is nothing.
+// Doubts that a person should look at before trusting the calibration; empty without any.
 std::vector<std::string> doubts_about(const Calibration& calibration) {
   std::vector<std::string> doubts;
   for (const SensorPose& pose : calibration.sensors) {

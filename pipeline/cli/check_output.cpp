@@ -72,7 +72,7 @@ bool is_inside(const fs::path& folder, const fs::path& path) {
   return false;
 }
 
-// What a verb made before may lie in what it reads.
+// Refuses an output that is an input; a former output of the verb may lie among its inputs.
 void refuse_inputs(const PlannedOutput& output, bool is_own) {
   const auto refuse = [&](const std::string& why) {
     throw InputError(output.path.string(), why + "; an output is never an input, whatever is forced");

@@ -10,7 +10,7 @@
 
 namespace trilat {
 
-// What a verb is about to write.
+// An output that a verb is about to write.
 struct PlannedOutput {
   std::filesystem::path path;
   std::vector<std::filesystem::path> inputs;  // files and folders that the verb reads; empty ones are none
@@ -18,7 +18,7 @@ struct PlannedOutput {
   std::string aside = ".partial";             // behind a file's name while it is unfinished
 };
 
-// What an output folder is: run.json in it says by which verb, and of what.
+// Mark of an output folder: its run.json names the verb that wrote it and its inputs.
 struct OutputMark {
   std::string verb;
   std::vector<std::string> names;  // of the study or the simulated campaign; of a report all its studies

@@ -34,7 +34,7 @@ struct InitArguments {
   bool json = false;
 };
 
-// A take, and what is to be said of it.
+// A take and its notes.
 struct FoundTake {
   Take take;
   std::size_t sensors = 0;
@@ -123,7 +123,7 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
   return {};
 }
 
-// What other methods gave of the only recording of a folder, with the joints that its names tell: any other
+// Joints that other methods gave of the only recording of a folder, with the joints of their names: any other
 // TRC, export or CSV of joints beside its motion capture.
 std::vector<BroughtJoints> joints_beside(const Take& take, const std::vector<fs::path>& sessions) {
   std::vector<BroughtJoints> joints;

@@ -45,7 +45,7 @@ struct InfoArguments {
   bool json = false;
 };
 
-// How a sensor's clock stands on the host clock, for `trilat info --json`; {"problem": …} when it cannot be
+// A sensor's clock on the host clock, for `trilat info --json`; {"problem": …} when it cannot be
 // placed.
 Json clock_json(const SessionReader& session, std::size_t sensor) {
   try {
@@ -265,7 +265,7 @@ int verify(const VerifyArguments& arguments) {
   return errors == 0 ? kDone : kItemsFailed;
 }
 
-// Where the saved session goes when nobody says: the name without .partial, where there is one.
+// Default path of the saved session: the name without .partial, where there is one.
 std::filesystem::path default_output(const std::filesystem::path& damaged) {
   if (damaged.extension() == ".partial") return damaged.parent_path() / damaged.stem();
   return damaged.string() + ".recovered.h5";

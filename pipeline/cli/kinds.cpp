@@ -19,7 +19,7 @@
 namespace trilat {
 namespace {
 
-// Of a study that is planned at once.
+// An opened study that is planned at once.
 OpenedStudy opened(Study study, const Json& plan, const std::string& text) {
   return {.plan = [study = std::move(study)](const Watch&) { return study; },
           .print_plan =
@@ -68,7 +68,7 @@ OpenedStudy open_variations(const RunArguments& arguments, const Json& study) {
   return variations;
 }
 
-// What a study stored to be shown.
+// Prints what a study stored to be shown.
 int print_stored(const std::filesystem::path& results, Json document, const Shown& shown) {
   if (shown.json) {
     document.update(Json{{"results", results.string()}, {"simulated", true}});

@@ -17,7 +17,7 @@
 
 namespace trilat {
 
-// What `trilat run` is told.
+// Arguments of `trilat run`.
 struct RunArguments {
   std::filesystem::path study;
   std::filesystem::path campaign;
@@ -33,7 +33,7 @@ struct RunArguments {
   bool tables = false;  // all of them are printed
 };
 
-// What `trilat run` needs of a study that was read.
+// A study that was read, as `trilat run` needs it.
 struct OpenedStudy {
   std::function<Study(const Watch& watch)> plan;
   // Says what would be computed, on stdout, and gives the exit code.

@@ -16,7 +16,7 @@ int told(const char* text, int code) {
   return code;
 }
 
-// Of the exception that is being handled: its type decides.
+// Exit code of the exception that is being handled: its type decides.
 int exit_code_of_exception() {
   try {
     throw;

@@ -56,9 +56,9 @@ struct RecordArguments {
   bool json = false;
 };
 
-// What a running recording shows on stderr: a line over itself on a terminal, now and then elsewhere, and
-// what there is to say above it. Written by a thread of its own, so that a terminal that takes nothing holds
-// up nobody; what cannot be written is left out. Any thread may call it.
+// Status of a running recording on stderr: a line over itself on a terminal, now and then elsewhere, with
+// notices above it. A thread of its own writes it, so that a terminal that takes nothing does not hold up the
+// recording; what cannot be written is left out. Any thread may call it.
 class LiveDisplay {
  public:
   LiveDisplay() : shared_(std::make_shared<Shared>()) {
@@ -107,7 +107,7 @@ class LiveDisplay {
         line_changed = false;
         last = ended;
         lock.unlock();
-        std::fputs(out.c_str(), stderr);  // nobody to tell when this fails
+        std::fputs(out.c_str(), stderr);  // a failure here cannot be reported
         std::fflush(stderr);
       }
       done = true;
@@ -163,7 +163,7 @@ const std::vector<Joint> kMarkerJoints{Joint::head,       Joint::shoulder_left, 
                                        Joint::elbow_left, Joint::elbow_right,   Joint::wrist_left,
                                        Joint::wrist_right};
 
-// What only the simulator knows of a recording of `synthetic` sensors, so that it can be evaluated: the
+// Truth of a recording of `synthetic` sensors, so that it can be evaluated: the
 // OptiTrack export, the mapping and the sensors' true poses. The export is written before the recording
 // starts and covers `duration_s` of it, or a minute. InputError unless there is one source, a synthetic one
 // at real speed.
@@ -313,7 +313,7 @@ void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
                     free_mb, reserve_mb));
 }
 
-// Of this session, or of a recording that never began.
+// Mark of the truth of this session, or of a recording that never began.
 OutputMark truth_mark(const RecordArguments& arguments) {
   return {"record",
           {std::filesystem::weakly_canonical(std::filesystem::absolute(arguments.output)).string()}};

@@ -35,7 +35,8 @@ struct ReproduceArguments {
   bool json = false;
 };
 
-// A study on a campaign, each of which is built in. What one needs that makes its own campaigns stands in it.
+// A study on a campaign, each of which is built in. A study that makes its own campaigns holds their
+// simulation.
 struct Part {
   const char* what;
   const char* results;  // the folder

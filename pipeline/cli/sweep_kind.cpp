@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `trilat run` reads and says of threshold sweeps.
+// Input and output of `trilat run` for threshold sweeps.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -10,7 +10,7 @@
 namespace trilat {
 namespace {
 
-// What a shard has of a sweep.
+// A shard's share of a sweep.
 struct ShareOfPlan {
   std::uint64_t items = 0, trials = 0;
 };

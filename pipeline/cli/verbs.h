@@ -20,7 +20,7 @@ enum ExitCode {
   kInterrupted = 130  // by Ctrl-C or SIGTERM: the same line goes on
 };
 
-// What the words on the command line ask for, and its exit code. InputError for a verb that there is not and
+// Runs the verb on the command line and gives its exit code. InputError for a verb that there is not and
 // for options that it does not have; all that verbs throw. `version`: what --version says.
 int run_verb(int argc, char** argv, const std::string& version);
 
@@ -29,7 +29,7 @@ bool stop_requested();
 // From now on Ctrl-C asks; without, the program just ends.
 void end_in_order();
 
-// What Ctrl-C does to a verb: one that leaves something behind ends in order.
+// Effect of Ctrl-C on a verb: one that leaves something behind ends in order.
 enum class Ends { in_order, at_once };
 
 // A verb, to which options are added, and the arguments that they fill in.

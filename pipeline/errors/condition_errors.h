@@ -33,7 +33,7 @@ struct ClusterSums {
   std::vector<double> sum, n;
   void add(std::size_t cluster, double more, double count);
   void add(const ClusterSums& more);
-  // Of so many clusters.
+  // Ratio of the sums of this many clusters.
   WeightedRatio ratio(std::size_t clusters, double weight = 1.0) const;
 };
 
@@ -70,7 +70,7 @@ struct MethodDifference {
   ContrastEstimate m, share;
 };
 
-// What the tables are grouped by. Joints are those of any track.
+// The axes that the tables are grouped by. Joints are those of any track.
 struct TableAxes {
   std::vector<std::string> groups;
   std::vector<std::size_t> group_of_joint;
@@ -93,7 +93,7 @@ class ConditionErrors {
   const std::vector<std::size_t>& groups() const { return groups_; }
   // "participants", "takes" or "blocks of time".
   const char* clusters() const { return cluster_kind_; }
-  // Of the same kind, cluster number k is the same one in every condition of the same takes.
+  // Number of clusters. Cluster k is the same in every condition of the same takes and kind of cluster.
   std::size_t cluster_count() const { return cluster_count_; }
 
   const CellSums& cell(std::size_t group, std::size_t method, std::size_t alignment) const;

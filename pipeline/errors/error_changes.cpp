@@ -30,7 +30,7 @@ class ErrorsByParticipant {
     }
   }
   const std::vector<std::string>& participants() const { return participants_; }
-  // Of the condition, in the study's order.
+  // Joint groups of the condition, in the study's order.
   std::vector<std::string> groups_of(const std::string& condition) const {
     std::vector<std::string> groups;
     for (const std::string& group : summary_.groups)
@@ -60,7 +60,7 @@ class ErrorsByParticipant {
   std::map<std::tuple<std::string, std::string, std::string>, WeightedRatio> sums_;
 };
 
-// Of different participants: each side by itself, the other's clusters without samples.
+// Makes room for different participants: each side by itself, the other's clusters without samples.
 void pad(std::vector<WeightedRatio>& ratios, std::size_t before, std::size_t behind) {
   for (WeightedRatio& ratio : ratios)
     for (auto* values : {&ratio.numerator, &ratio.denominator}) {

@@ -14,7 +14,7 @@ namespace trilat {
 // order of takes.
 std::vector<std::string> participants_of(const ResultsSummary& summary);
 
-// What changed from one accuracy result to another, for the conditions, methods and groups of both and the
+// Changes from one accuracy result to another, for the conditions, methods and groups of both and the
 // average of the groups, under their first alignment: Student's t between participants, of the differences of
 // each where both have the same. Nothing where alignment or truth differ: those are two measures.
 std::optional<ErrorChanges> changes_between(const ResultsSummary& before, const ResultsSummary& after);

@@ -87,7 +87,7 @@ class Summary {
         std::ranges::any_of(takes_, [&](const TakeTable& take) { return take.activity == condition; });
     if (!is_whole_activity) return;
     for (std::size_t m = 0; m < axes_.methods; ++m) summary_.bodies.push_back(body_of(errors, condition, m));
-    if (summary_.left_out()) return;  // a sensor stands for the truth
+    if (summary_.left_out()) return;  // a sensor is the truth
     for (const std::size_t g : errors.groups())
       summary_.truth_speed.push_back({condition, summary_.groups[g], speed_of(errors, g)});
   }

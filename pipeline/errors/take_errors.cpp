@@ -42,7 +42,7 @@ struct AlignedSums {
   JointOffset trained;
 };
 
-// What all three passes over the samples know of a sample's joint at its instant.
+// Marks of a joint at an instant, which all three passes over the samples use.
 struct Mark {
   static constexpr std::uint8_t asked = 1, occluded = 2, abrupt = 4;
 };
@@ -149,7 +149,7 @@ class TrackErrors {
                                settings_.rate_hz);
   }
 
-  // Of the truth's acceleration, in bins of 0.1 m/s2; the last holds all that is larger.
+  // Histogram of the truth's acceleration, in bins of 0.1 m/s2; the last holds all that is larger.
   static constexpr double kAccelerationBin_m_s2 = 0.1;
   static constexpr std::uint8_t kBins = 255, kUnknown = 255;
   using Accelerations = std::array<std::uint32_t, kBins>;
@@ -378,7 +378,7 @@ class TrackErrors {
     return i >= alignment(settings_.body_alignment(), 0, 0).first_instant;
   }
 
-  // Of four answers in a row, at the second.
+  // Adds the jerk of four answers in a row, at the second.
   void add_jerks(const Window& w, std::size_t j, std::size_t m) {
     ShapeRow& row = table_.shapes[m];
     Eigen::Vector3d a_m, b_m, c_m, d_m;
@@ -411,7 +411,7 @@ class TrackErrors {
     }
   }
 
-  // What one method answers of a body at one instant, under the body alignment.
+  // One method's answer for a body at one instant, under the body alignment.
   struct WholeBody {
     std::uint32_t answered = 0;
     double length_m = 0.0, pa_m = kNaN;

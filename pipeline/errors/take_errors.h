@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// What decides the errors of a take, beside its samples.
+// Settings that decide the errors of a take, beside its samples.
 struct ErrorSettings {
   std::vector<AlignmentKind> alignments;
   double training_share = 0.0;  // of a take's instants, at its start: what trained alignments learn from

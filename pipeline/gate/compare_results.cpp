@@ -33,7 +33,7 @@ double percent_of(double now, double before) {
   return before == 0.0 ? kNoNumber : 100.0 * (now - before) / std::abs(before);
 }
 
-// Whether a length grew or fell by more than is to be told.
+// Whether a length grew or fell by more than the limits.
 bool is_change(double now_m, double before_m, const GateLimits& limits) {
   const double off_m = std::abs(now_m - before_m);
   return off_m > limits.smallest_m && 100.0 * off_m > limits.smallest_percent * std::abs(before_m);
@@ -152,7 +152,7 @@ void add_coverage(const CellName& name, const BothSums& cell, const std::map<std
   report.findings.push_back(std::move(finding));
 }
 
-// Keys whose change is no news: bounds of intervals, and bookkeeping.
+// Keys whose change is not listed: bounds of intervals, and bookkeeping.
 bool is_news(const std::string& key) {
   static const std::set<std::string> kNoNews{"mean_iterations", "p05_m",   "p25_m",      "p75_m",  "clusters",
                                              "significant",     "program", "created_by", "version"};
@@ -200,7 +200,7 @@ ResultsSummary summary_of(ResultsSummary summary, const std::vector<std::string>
   return summary;
 }
 
-// Of an accuracy summary, what the takes' errors do not judge.
+// Numbers of an accuracy summary that the takes' errors do not judge.
 Json told_numbers(const Json& summary) {
   Json told = Json::object();
   for (const char* part : {"cells", "bodies"})
@@ -479,7 +479,7 @@ void compare_numbers(const std::string& study, const Json& document_before, cons
       const double least = key.ends_with("_m") ? limits.smallest_m : limits.smallest_number;
       const double off = std::abs(finding.now - finding.before);
       finding.percent = percent_of(finding.now, finding.before);
-      if (std::abs(finding.before) <= least) finding.percent = kNoNumber;  // of nothing there is no share
+      if (std::abs(finding.before) <= least) finding.percent = kNoNumber;  // zero has no share
       const bool counts = off > least && 100.0 * off > limits.smallest_percent * std::abs(finding.before);
       finding.alarm = alarm && counts;
       if (!counts && !alarm) continue;

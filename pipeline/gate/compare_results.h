@@ -8,7 +8,7 @@
 namespace trilat {
 
 // Compares each study that both folders have. Where takes have the same recordings, computing is
-// deterministic and there is no chance: an alarm is a mean error that grew, answers that fell, or a take that
+// deterministic, without chance: an alarm is a mean error that grew, answers that fell, or a take that
 // lost a tenth of its answers, each by more than its limit; all other numbers that changed are listed. Takes
 // of other recordings are judged by Student's t of the mean error between their participants, eight at least,
 // with the probability of chance by Holm over all studies; of fewer the study is not judged, whatever its
@@ -34,7 +34,7 @@ double compare_people(const std::string& study, const ResultsSummary& before, co
 // Corrects the chances of all findings that have one, and keeps those that are more than chance.
 void judge_chances(const GateLimits& limits, GateReport& report);
 
-// Numbers that differ between two documents of one deterministic study: alarms, or told.
+// Numbers that differ between two documents of one deterministic study: alarms, or listed.
 void compare_numbers(const std::string& study, const Json& before, const Json& now, bool alarm,
                      const GateLimits& limits, GateReport& report);
 

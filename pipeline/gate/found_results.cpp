@@ -130,8 +130,7 @@ PairedSet pair_results(ResultsSet now, ResultsSet before) {
     return by_study ? a.study == b.study : a.name == b.name;
   };
   PairedSet set;
-  if (now.single &&
-      before.single) {  // whatever their names: a difference is then told as one of configuration
+  if (now.single && before.single) {  // whatever their names: a difference is then named as one of settings
     set.pairs.push_back({std::move(now.results[0]), std::move(before.results[0])});
     return set;
   }

@@ -45,9 +45,8 @@ PairedSet pair_results(ResultsSet now, ResultsSet before);
 // A single value as it is, of a list or object as much as a message has room for.
 std::string shortened(const Json& value);
 
-// What differs between the settings of both, each with both values: those of the study, the campaign, and the
-// calibration and mapping of each take. What the code makes of them is none, nor is what a simulated clock
-// wrote.
+// The settings that differ, each with both values: those of the study, the campaign, and the calibration and
+// mapping of each take. Defaults of the code are not settings, nor is what a simulated clock wrote.
 std::vector<std::string> settings_that_differ(const ResultsPair& pair);
 
 // The ids of the takes of an accuracy study, by whether session and motion capture have the same content.

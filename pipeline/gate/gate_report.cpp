@@ -13,7 +13,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostPlaces = 4;    // of one method or study that are told in full
+constexpr std::size_t kMostPlaces = 4;    // of one method or study that are printed in full
 constexpr std::size_t kMostMethods = 12;  // entries of a list
 
 std::string value_text(const GateFinding& f, double value) {

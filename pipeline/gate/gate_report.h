@@ -19,7 +19,7 @@ struct GateLimits {
   double chance = 0.01;                // of a false alarm in the whole night, of other recordings
 };
 
-// What is looked at.
+// The kinds of findings.
 enum class FindingKind : std::uint8_t {
   accuracy,  // mean absolute error of a cell
   coverage,  // how many samples of a cell are answered
@@ -43,7 +43,7 @@ struct GateFinding : CellName {
   bool alarm = false;
   std::string what;  // what was measured; of a number its place
   double before = kNoNumber, now = kNoNumber;
-  std::string unit;  // of before and now: "m" is told in centimetres
+  std::string unit;  // of before and now: "m" is printed in centimetres
   // percent: the change as a share of `before`, NaN where `before` is zero. Where recordings differ, low and
   // high bound its 95 % interval, and chance is its probability by chance, corrected for all comparisons.
   double percent = kNoNumber, low = kNoNumber, high = kNoNumber, chance = kNoNumber;
@@ -78,7 +78,7 @@ struct ComparedCell : CellName {
   }
 };
 
-// How one study stands against the baseline.
+// State of one study beside the baseline.
 enum class StudyState : std::uint8_t {
   identical,    // every number is the same
   compared,     // numbers differ and were judged
@@ -121,8 +121,8 @@ struct GateReport {
   std::uint64_t alarms() const;
 };
 
-// What somebody reads in the morning: a verdict with the worst alarm, settings that differ, each alarm in a
-// few lines, then what is better or to be known. Ends with a newline.
+// The text that somebody reads in the morning: a verdict with the worst alarm, settings that differ, each
+// alarm in a few lines, then what is better or to be known. Ends with a newline.
 std::string morning_text(const GateReport& report);
 
 // Every compared cell of the methods whose name is `method`, as a plain table.
@@ -136,7 +136,7 @@ std::string not_judged_text(const GateReport& report);
 // JUnit XML as CI services read it, one test case a study, at most 60 lines. A study that was not judged is
 // skipped, with the reason.
 std::string gate_junit(const GateReport& report);
-// Of a gate that could not be done: one test case that is an error, with the message.
+// JUnit of a gate that failed: one test case that is an error, with the message.
 std::string gate_junit_of_error(const std::string& time, const std::string& message);
 
 // Text that a shell takes as one word: as it is when that is plain, else in single quotes.

@@ -34,7 +34,7 @@ struct ServerWay {
 };
 constexpr std::array<ServerWay, 2> kServerWays{{{"as they come", false}, {"once a frame of its own", true}}};
 
-// Of one sensor's machine in one run.
+// Errors of one sensor's machine in one run.
 struct TrialErrors {
   std::vector<std::vector<double>> by_method_s;
   std::vector<std::array<QueueCounts, kServerWays.size()>> queues;  // by method

@@ -16,7 +16,7 @@ struct TrialFrame {
   HostTime exposure, sent, received;  // truly, on the server's clock
 };
 
-// What one sensor's machine and the server exchange during one run, with the truth.
+// Messages between one sensor's machine and the server during one run, with the truth.
 struct ClockTrial {
   SensorDescription sensor;
   std::vector<ClockExchange> exchanges;  // by t1
@@ -37,7 +37,7 @@ enum class ClockMethod {
   printed,
   printed_client,
   corrected,  // the offline fit of all exchanges
-  // What a live system can do: the machine's clock and, of the last 8 exchanges that the server had when it
+  // Possible in a live system: the machine's clock and, of the last 8 exchanges that the server had when it
   // received the frame, the offset by the one of least delay, as NTP's clock filter (RFC 5905, section 10).
   corrected_causal,
   corrected_ticks  // the same, and the sensor's own ticks for the exposure

@@ -60,7 +60,7 @@ RigFrame see(Rig& rig, const Motion& motion, std::uint64_t frame) {
   return result;
 }
 
-// What is timed.
+// The work that is timed.
 void trilaterate(const Rig& rig, const RigFrame& frame, const Method& method,
                  std::vector<PointEstimate>& estimates) {
   std::vector<JointObservation> seen(frame.bodies.size());
@@ -77,7 +77,7 @@ void trilaterate(const Rig& rig, const RigFrame& frame, const Method& method,
   }
 }
 
-// Of the sensors' machines, which track side by side, the slowest. Simulated.
+// Time of the slowest of the sensors' machines, which track side by side. Simulated.
 double body_tracking_s(const RecordingSpec& spec, std::uint64_t frame) {
   double slowest_s = 0.0;
   for (std::uint64_t s = 0; s < spec.sensors; ++s) {

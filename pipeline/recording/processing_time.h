@@ -9,7 +9,7 @@
 
 namespace trilat {
 
-// What a frame costs from the bodies of all sensors to 25 trilaterated joints, by each of the study's
+// Cost of a frame from the bodies of all sensors to 25 trilaterated joints, by each of the study's
 // methods, one frame at a time on one thread; then the same with the declared body tracking. Frames are those
 // of a simulated person walking. Throws Interrupted.
 std::vector<StageTiming> time_processing(const RecordingSpec& spec, const Watch& watch);

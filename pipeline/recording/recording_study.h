@@ -53,7 +53,7 @@ RecordingSpec parse_recording_spec(const Json& json, const std::string& place);
 // Every setting written out, defaults included.
 Json resolved_json(RecordingSpec spec);
 
-// What the simulation assumes, with sources.
+// Assumptions of the simulation, with sources.
 std::vector<DeclaredParameter> recording_parameters(const RecordingSpec& spec);
 
 // Simulated clocks and queues of a recording, and what a frame costs on this machine. Its summary.json is a

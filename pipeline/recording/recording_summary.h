@@ -39,7 +39,7 @@ struct ClockErrorRow {
   TRILAT_FIELDS(network, method, asked, error, below_2ms, below_2ms_low, below_2ms_high, units)
 };
 
-// What became of a client's frames in the paper's queue at the server.
+// Fate of a client's frames in the paper's queue at the server.
 struct QueueCounts {
   std::uint64_t came = 0;
   std::uint64_t untimed = 0;  // no exchange yet, so no time of sending
@@ -59,12 +59,12 @@ struct QueueUnit {
   TRILAT_FIELDS(came, taken)
 };
 
-// Of all runs and sensors, by one way to give a frame its time, over one kind of network.
+// Counts over all runs and sensors, by one way to give a frame its time, over one kind of network.
 struct QueueRow {
   std::string network, method;
   std::string server;  // when it takes frames out: "as they come", "once a frame of its own"
   QueueCounts counts;
-  // Of the share that is taken, 95 % over sensors and runs.
+  // Interval of the share that is taken, 95 % over sensors and runs.
   double taken_low = TimeSpread::kNone, taken_high = TimeSpread::kNone;
   std::vector<QueueUnit> units = {};  // one a run and sensor, all sensors of the first run first
 
@@ -75,7 +75,7 @@ struct QueueRow {
   }
 };
 
-// What the corrected fit says of itself, over one kind of network: means over sensors and runs.
+// The corrected fit's own uncertainty, over one kind of network: means over sensors and runs.
 struct ClockFitRow {
   std::string network;
   double offset_sigma_s = TimeSpread::kNone;      // its standard deviation

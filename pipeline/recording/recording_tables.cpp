@@ -31,7 +31,7 @@ double wholly_below_4ms(const ClockErrorRow& row) {
   return share_of(whole, answering);
 }
 
-// Of the times with an answer, those from one bin on up to another.
+// Share of the times with an answer from one bin on up to another.
 auto in_bins(std::size_t first, std::size_t last) {
   return [=](const TimeSpread& time) {
     std::uint64_t sum = 0;

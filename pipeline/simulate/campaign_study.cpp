@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 std::string item_of(const std::string& recording) { return "recordings/" + recording; }
 
-// What campaign.json says of a take besides its files; nothing of the wand.
+// The entries of campaign.json on a take besides its files.
 Json json_of(const Take& take) {
   return {{"participant", take.participant},
           {"activity", take.activity},

@@ -73,7 +73,7 @@ void write_simulated_mocap(const MocapSpec& mocap, const SimulatedTakePlan& plan
 // Which of its markers are which joint.
 JointMapping marker_mapping(const std::vector<Joint>& joints);
 
-// What only the simulator knows about a recording: truth.json. With `depth`, also each unit's depth error.
+// The truth of a recording, truth.json. With `depth`, also each unit's depth error.
 Json simulated_truth(const SimulatedItem& item, const std::vector<SimulatedSensor>& sensors,
                      Duration mocap_error, const DepthNoiseSpec* depth);
 

@@ -10,14 +10,14 @@
 
 namespace trilat {
 
-// Depth that is rendered on all processors, tells how far it is and ends by Interrupted.
+// Depth that is rendered on all processors, reports its progress and ends by Interrupted.
 SyntheticDepth watched_depth(const SimulationSpec& spec, std::size_t sensors, double duration_s,
                              SceneMotion scene, const Watch& watch);
 
 double wand_duration_s(const WandSpec& wand);
 // The wand recording's place among the campaign's random numbers: behind all takes.
 SimulatedItem wand_item(const SimulationSpec& spec);
-// What the recording's host clock is said to show at the first frame of the wand's mocap.csv.
+// Stated time of the recording's host clock at the first frame of the wand's mocap.csv.
 HostTime wand_mocap_start(const SimulationSpec& spec);
 
 // Writes `folder`/session.h5 (depth and bodies), truth.json and mocap.csv of the calibration recording that

@@ -34,7 +34,7 @@ class HashCache {
   std::map<std::string, std::string> sha256_;  // by identity
 };
 
-// What the file system says of a file without reading it.
+// Identity of a file by the file system, without reading it.
 struct FileIdentity {
   std::string written;  // device, number, size and when it was last written: another, another content
   std::string changed;  // the same, and when its name, links or rights last changed
@@ -42,7 +42,7 @@ struct FileIdentity {
   std::int64_t changed_s = 0;  // the later of both times
 };
 
-// Nothing when it is no file or cannot be looked at.
+// Nothing when it is not a regular file or cannot be looked at.
 std::optional<FileIdentity> identity_of(const std::filesystem::path& file);
 
 // FileIdentity::written; empty when there is none.

@@ -17,7 +17,7 @@ void on_threads(int threads, const std::function<void(int)>& work);
 void write_run_record(const std::filesystem::path& folder, const std::filesystem::path& results,
                       const Json& more, double wall_s, int threads);
 
-// As this machine calls it, or "unknown".
+// Name of the processor as this machine calls it, or "unknown".
 std::string processor_name();
 
 }  // namespace trilat

@@ -155,7 +155,7 @@ class Run {
           of_item.tell(1.0);
         }
       } catch (...) {
-        next = items.size();  // nobody begins another
+        next = items.size();  // no thread begins another
         throw;
       }
     });

@@ -42,7 +42,7 @@ std::vector<std::uint64_t> shards_of(std::span<const double> costs, std::uint64_
 // A hash of all that decides an outcome, the build of this program included.
 std::string key_of(const Json& settings);
 
-// What an item gave and where its files are.
+// The outcome of an item and the folder of its files.
 struct Outcome {
   std::string key;
   std::filesystem::path folder;  // no such folder when it failed
@@ -52,17 +52,17 @@ struct Outcome {
 };
 using Outcomes = std::map<std::string, Outcome>;  // by the item's id
 
-// What computing an item gives.
+// The result of computing an item.
 struct Computed {
   Computed(Json json, bool has_failed = false) : outcome(std::move(json)), failed(has_failed) {}
   Json outcome;
-  bool failed;  // it is told in the results, and tried again by the next run
+  bool failed;  // it is named in the results, and tried again by the next run
 };
 
 // One piece of work: it is computed, stored and found as a whole.
 struct Item {
   // Plain names with '/' between them. Items of equal first name are computed beside each other, other names
-  // one after the other; the first name is what progress is told of.
+  // one after the other; the first name is shown with the progress.
   std::string id;
   double cost;  // estimated, in any unit that all items share
   // `into`: an empty folder; files that are left in it belong to the item. From any thread.
@@ -94,7 +94,7 @@ struct Study {
 
 // The entries of a manifest that all studies have: the resolved study and its hash; then `more`.
 Json manifest_of(const Json& resolved, const Json& more);
-// Of a study that is simulated from its settings alone.
+// The manifest of a study that is simulated from its settings alone.
 Json manifest_of_generated(const Json& resolved);
 
 struct StudyOptions {

@@ -34,7 +34,8 @@ class RunningTime {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Who is told the progress of a stage that is `share` of the whole and begins when `before` of it is done.
+// Progress of the whole from that of a stage that is `share` of the whole and begins when `before` of it is
+// done.
 inline std::function<void(double)> share_of(std::function<void(double)> progress, double before,
                                             double share) {
   if (!progress) return {};

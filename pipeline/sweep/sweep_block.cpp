@@ -312,7 +312,7 @@ void SweepBlock::descend_in_stages(const DescentOptions& options) {
   }
 }
 
-// As solve_nonlinear() does: an answer from where the directions to the sensors do not span space is none.
+// Refuses, as solve_nonlinear() does, answers from where the directions to the sensors do not span space.
 void SweepBlock::refuse_far_answers(const SweepCellSolver& cell) {
   const double* coordinate_m = batch_.position_m.row(0);
   double farthest_m = 0.0;

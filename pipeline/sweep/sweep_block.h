@@ -52,7 +52,7 @@ inline constexpr std::size_t kDigitBins = 15 * 256 + 1;
 std::size_t digit_bin(double digits);
 double bin_digits(std::size_t bin);  // its middle
 
-// What is counted of trials: the same in whatever order and groups they are added.
+// Counts of trials: the same in whatever order and groups they are added.
 struct SweepCounts {
   std::uint64_t asked = 0;
   std::array<std::uint64_t, kSolveStatusCount> statuses{};

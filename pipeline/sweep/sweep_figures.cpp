@@ -50,7 +50,7 @@ std::string line_of(const SweepSummary& s, const std::vector<std::size_t>& readi
   return parts.empty() ? std::string("simulated") : fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// What is drawn over the threshold.
+// A quantity that is drawn over the threshold.
 struct Quantity {
   const char *id, *title, *y_label, *interval;
   bool logarithmic = false;

@@ -194,7 +194,7 @@ void read_thresholds(JsonObject& object, std::vector<double>& thresholds) {
   }
 }
 
-// As it was written: 7 cm are not 7.000000000000001.
+// Centimetres as they were written: 7 cm are not 7.000000000000001.
 double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
 // The same length again from what is written.
 double as_written_m(double length_cm) {

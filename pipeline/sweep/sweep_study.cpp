@@ -117,7 +117,7 @@ std::optional<SweepTimings> time_sweep(const SweepPlan& plan, const std::functio
 
 constexpr std::uint64_t kChunksAtOnce = 64;  // whose sums are in memory
 
-// Of the trials of one cell those of one chunk.
+// Sums of one chunk of one cell's trials.
 SweepSums sums_of(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
   const SweepCellSolver solver = solver_of(plan, place_of(plan, cell));
   SweepBlock block(solver.trials.sensors);

@@ -119,7 +119,7 @@ struct SweepSearch {
   TRILAT_FIELDS(tried, errors, times, compromises)
 };
 
-// What a threshold sweep found. Everything in it is simulated.
+// Results of a threshold sweep. Everything in it is simulated.
 struct SweepSummary {
   static constexpr StudyKind kKind = StudyKind::threshold_sweep;
   struct ErrorRange {

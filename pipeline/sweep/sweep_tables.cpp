@@ -19,7 +19,7 @@ constexpr double kCostly = 5.0;
 constexpr double kWorthwhile = 0.9;  // and brings an error below this many times
 constexpr double kFewAnswers = 0.9;  // share of the trials; below it the factors are those of the easy ones
 
-// Of the mean errors of a reading's cells, relative.
+// Largest relative half interval of the mean errors of a reading's cells.
 double worst_half_interval(const SweepSummary& s, std::size_t reading) {
   double worst = 0.0;
   for (const SweepCell& c : s.cells)

@@ -12,7 +12,7 @@
 
 namespace trilat {
 
-// What a sweep shows: the paper's Table I beside ours, the answer of an interpretation search, every cell.
+// Tables of a sweep: the paper's Table I beside ours, the answer of an interpretation search, every cell.
 StoredTables sweep_tables(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
 
 // Error, steps, share of answers and, where it was measured, time over the threshold C: a panel for each rig,
@@ -23,7 +23,7 @@ std::vector<Figure> sweep_figures(const SweepSummary& summary, const std::option
 // The readings worth a figure: all of a few, of many those that lead a ranking.
 std::vector<std::size_t> readings_in_full(const SweepSummary& summary);
 
-// Of a cell; none when it was not timed.
+// Timing of a cell; null when it was not timed.
 const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);
 
 // A sentence or two a person can take away from the search; empty without one.

@@ -116,7 +116,7 @@ std::map<std::string, Table1Readings> readings_by_name(const SweepSummary& s) {
   return all;
 }
 
-// Of many, those that a ranking or a comparison names.
+// Of many readings, whether a ranking or a comparison names this one.
 bool is_worth_a_table(const SweepSummary& s, const Table1Readings& readings, std::size_t families) {
   if (!readings.complete()) return false;
   if (families <= kMostTables) return true;

@@ -16,7 +16,7 @@ namespace trilat {
 struct Table1Readings {
   std::string name;                       // what they share
   std::optional<std::size_t> as_printed;  // eq. 17 and eq. 19 as they stand: errata E7 and E8
-  std::optional<std::size_t> printed;     // eq. 17 as it stands, |F_k - F_{k-1}| < C
+  std::optional<std::size_t> printed;     // eq. 17 as printed, |F_k - F_{k-1}| < C
   std::optional<std::size_t> corrected;   // J^T f, |F_k - F_{k-1}| < C
   bool axis_mean = false;  // the search found that the mean over the axes is what the paper reports
   bool complete() const { return printed && corrected; }

@@ -14,7 +14,7 @@ namespace trilat {
 // points. Points that failed are left out.
 void analyse(VariationsSummary& summary);
 
-// What a study of patches, or of ranges, shows.
+// Tables and figures of a study of patches, or of ranges.
 StoredTables variation_tables(const VariationsSummary& summary);
 std::vector<Figure> variation_figures(const VariationsSummary& summary);
 

@@ -198,7 +198,7 @@ void check_fits(JsonObject& object, const StudySpec& study, const SimulationSpec
 
 SimulationSpec simulation_of(const VariationsSpec& spec, const Json& json) {
   SimulationSpec simulation = parse_simulation(json, spec.place, spec.folder);
-  if (!spec.study.conditions.empty())  // nobody looks at the others
+  if (!spec.study.conditions.empty())  // the others are not evaluated
     std::erase_if(simulation.activities, [&](const ActivitySpec& activity) {
       const std::string& name = activity_names()[static_cast<std::size_t>(activity.activity)];
       return std::ranges::find(spec.study.conditions, name) == spec.study.conditions.end();

@@ -48,7 +48,7 @@ std::vector<std::vector<double>> errors_of_persons(const ResultsSummary& summary
   return errors;
 }
 
-// Of the study's first condition.
+// Errors in the study's first condition.
 void take_errors(const std::filesystem::path& results, const ResultsSummary& summary, VariationPoint& point) {
   const std::string& condition = summary.conditions.front();
   for (const std::string& method : summary.methods) {

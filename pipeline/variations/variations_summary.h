@@ -42,7 +42,7 @@ struct VariationPoint {
   TRILAT_FIELDS(name, position, paired_m, answered, person_m, problem)
 };
 
-// What explains by itself how a difference varies: its share of the variance of the logarithm of the ratio.
+// First-order index of a range: its share of the variance of the logarithm of the ratio.
 struct DecidingRange {
   std::string range;
   Estimate first_order = {};
@@ -77,7 +77,7 @@ struct MethodComparison {
   TRILAT_FIELDS(name, better, than, margin_percent, by_alignment)
 };
 
-// Of how many points a method errs less than every other.
+// Share of the points in which a method errs less than every other.
 struct BestShare {
   std::string method;
   Estimate share;

@@ -14,7 +14,7 @@ constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
 constexpr std::array kMarkers{7, 9, 5, 11, 13, 6, 4, 8};  // filled circle, triangle, square, …
 constexpr int kDashes = 5;
 
-// Families of methods with the colour of each; families that share one are told apart by their dash.
+// Families of methods with the colour of each; families that share one differ by their dash.
 struct Family {
   const char* name;
   std::size_t colour;

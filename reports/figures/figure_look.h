@@ -22,8 +22,8 @@ struct FigureLook {
 // black: the truth, or the paper's.
 FigureLook look_of_method(const std::string& method);
 
-// Of every series of a figure, those of one group alike. What is no method gets the colours that the figure's
-// methods leave over, in order.
+// Looks of every series of a figure, those of one group alike. Series that are not methods get the colours
+// that the figure's methods leave over, in order.
 std::vector<FigureLook> looks_of(const Figure& figure);
 
 }  // namespace trilat

@@ -58,7 +58,7 @@ std::size_t longest(const std::vector<std::string>& names) {
   return most;
 }
 
-// What an axis shows.
+// The range of an axis.
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   void add(double value) {

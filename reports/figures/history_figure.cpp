@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostTrends = 7, kMostNights = 60;
 
-// Of the averages over the joint groups those that moved most, and of the others the first.
+// Names of the shown cells: averages over the joint groups that moved most, and the first of the others.
 std::vector<std::string> shown_cells(const std::vector<HistoryEntry>& nights) {
   std::vector<std::pair<double, std::string>> cells;
   for (const auto& [name, last_m] : nights.back().error_m) {

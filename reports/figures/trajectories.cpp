@@ -24,7 +24,7 @@ const char* drawn_joint(const std::string& condition) {
                                        : "wrist_right";
 }
 
-// What the paper draws, in the order of interest; the first ones that the study has are shown.
+// Methods that the paper draws, in the order of interest; the first ones that the study has are shown.
 constexpr std::array kMethods{"nonlinear as printed",           "linear", "geometric", "nonlinear",
                               "nonlinear, occlusion corrected", "mean"};
 
@@ -88,7 +88,7 @@ FigureSeries series_of(const std::string& name, const Path& path, const std::vec
   return series;
 }
 
-// What makes the means over all instants that both have the same.
+// Shift that makes the means over all instants that both have the same.
 double shift_to_truth_m(const Path& path, const std::vector<double>& height_m) {
   double sum_m = 0.0, count = 0.0;
   for (std::size_t i = 0; i < height_m.size(); ++i) {

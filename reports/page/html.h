@@ -14,7 +14,7 @@ std::string html_of(const Table& table);
 // "holds" as a coloured word; other verdicts alike.
 std::string verdict_badge(const std::string& verdict);
 
-// A title's first part, and what stands in brackets at its end more softly.
+// A title's first part, and the brackets at its end more softly.
 std::string html_title(const std::string& title);
 
 // Escaped for HTML text and attributes in double quotes; control characters become spaces.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What stands below the first screen.
+// Everything below the first screen.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -17,7 +17,7 @@ std::size_t column_of(const Table& table, const std::string& key) {
   return static_cast<std::size_t>(found - table.columns.begin());
 }
 
-// The part of the paper that a table stands beside, as its claims name it.
+// The part of the paper that belongs to a table, as its claims name it.
 std::string place_in_paper(const Table& table) {
   static const std::map<std::string, std::string> kPlaces{{"table1", "Table I"},
                                                           {"table2", "Table II"},

@@ -57,7 +57,7 @@
     return count ? sum.map((x) => x / count) : [0, 1, 0];
   };
 
-  // What is shown of a take; show(instant, method) moves it and says the mean error in centimetres.
+  // The scene of a take; show(instant, method) moves it and says the mean error in centimetres.
   const sceneOf = (T, take) => {
     const scene = new T.Scene();
     scene.add(new T.GridHelper(8, 16, 0x4a5261, 0x2a303b));
@@ -74,7 +74,7 @@
     const lines = (count, color, opacity = 1) => add(new T.LineSegments(geometry(2 * count),
       new T.LineBasicMaterial({ color, opacity, transparent: true })));
     const dots = (count, color, size) => add(new T.Points(geometry(count), new T.PointsMaterial({ color, size })));
-    // Moves the points of an object; where one of a line's ends is missing, there is no line.
+    // Moves the points of an object; where one of a line's ends is missing, no line is drawn.
     const move = (object, points, each) => {
       const position = object.geometry.attributes.position;
       for (let k = 0; k < points.length; k += each) {

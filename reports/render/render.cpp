@@ -48,7 +48,7 @@ bool is_word(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || static_cast<unsigned char>(c) >= 0x80;
 }
 
-// What Markdown would take for markup or HTML stands for itself. '_' and '&' mean something at the edge of a
+// Escapes what Markdown would take for markup or HTML. '_' and '&' mean something at the edge of a
 // word only.
 std::string markdown_cell(const std::string& text) {
   const std::string line = one_line(text);

@@ -13,8 +13,8 @@ namespace trilat {
 Table changes_table(const ErrorChanges& changes);
 std::vector<std::string> changes_sentences(const ErrorChanges& changes);
 
-// What real sensors measure, which stands beside simulated numbers: recorded.json, which
-// scripts/measure_tracker writes.
+// Measurements of real sensors, beside simulated numbers: recorded.json, which scripts/measure_tracker
+// writes.
 Table recorded_table();
 
 }  // namespace trilat

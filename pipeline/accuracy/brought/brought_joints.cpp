@@ -55,8 +55,8 @@ const NamedPoint* find_point(const std::vector<NamedPoint>& points, const std::s
   return alike == points.end() ? nullptr : &*alike;
 }
 
-// What a file has under these names: as its mapping says; else by its own names, or the joints that they
-// tell.
+// The points of a file that have these names: by its mapping; else by its own names, or the joints that these
+// stand for.
 std::vector<NamedPoint> points_called(const BroughtJoints& joints, const MocapHeader& header,
                                       const std::vector<std::string>& names) {
   const std::vector<NamedPoint> own = joints.mapping.empty() ? points_by_name(header) : joints.mapping;

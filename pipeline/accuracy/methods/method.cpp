@@ -24,7 +24,7 @@ bool contains(const MethodSpec& set, const MethodSpec& other) {
   });
 }
 
-// Whether two methods differ in their sensors alone, as far as the study says, and one's are among the
+// Whether two methods differ in their sensors alone, by the study's words, and one's are among the
 // other's.
 bool are_sets_of_one_method(const MethodSpec& a, const MethodSpec& b) {
   if (a.kind != b.kind) return false;
@@ -115,7 +115,7 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
   return method;
 }
 
-// What an entry of the study stands for: itself, or one method for each set of sensors.
+// The methods of one entry of the study: itself, or one for each set of sensors.
 std::vector<MethodSpec> one_a_set(const MethodSpec& spec, const std::vector<std::string>& rig) {
   const bool is_each_single = spec.kind->sensors == 1 && spec.sensors.empty();
   const std::size_t size = is_each_single ? 1 : spec.each;

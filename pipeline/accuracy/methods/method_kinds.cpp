@@ -81,7 +81,7 @@ void range_bearing_settings(Settings& s, MethodSpec& m) {
   s("loss_scale", o.loss_scale, {1e-3, 1e3}, "of cauchy, in sigmas");
 }
 
-// What the methods over time have in common.
+// The settings that methods over time share.
 template <class Options>
 void motion_settings(Settings& s, Options& o) {
   s("sigma_m", o.sigma_m, {1e-6, 10.0}, "of a position, an axis");

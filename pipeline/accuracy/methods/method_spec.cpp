@@ -31,7 +31,7 @@ const std::vector<std::string>& stated_or_estimated() {
 
 namespace {
 
-// What methods of all kinds have; of a method whose kind and name are known.
+// The settings that methods of all kinds have. Kind and name are known before.
 void tell(Settings& s, MethodSpec& m) {
   JsonObject* object = s.reading();
   s.texts("sensors", m.sensors, "those it may use; empty: all");

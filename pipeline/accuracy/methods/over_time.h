@@ -16,7 +16,7 @@ struct PathPoint {
   int iterations = 0;
 };
 
-// What one method over time gives for one take: by instant and joint.
+// The answers of one method over time for one take, by instant and joint.
 struct MethodPaths {
   std::size_t method = 0;
   std::size_t joints = 0;
@@ -26,7 +26,7 @@ struct MethodPaths {
   }
 };
 
-// Both are called from any thread. `advanced` tells how many instants more of one windowed method are done.
+// Both are called from any thread. `advanced` counts how many instants more of one windowed method are done.
 struct OverTimeCalls {
   std::function<void(std::size_t)> advanced;
   std::function<bool()> must_stop;

@@ -16,8 +16,8 @@ namespace trilat {
 
 enum class ClockSource : std::uint8_t { stated, check, motion };
 
-// What estimates are held against: the mocap of each take; what each sensor in turn sees, left out of every
-// method; the first of these that the campaign allows; or nothing at all, which no file asks for.
+// The truth that estimates are held against: the mocap of each take; what each sensor in turn sees, left out
+// of every method; the first of these that the campaign allows; or nothing at all, which no file asks for.
 enum class TruthSource : std::uint8_t { automatic, mocap, left_out_sensor, nothing };
 
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
@@ -48,7 +48,7 @@ struct StudySpec {
   std::vector<MethodSpec> methods;
 };
 
-// What a study of accuracy and one that holds one have in common; `kind` and finish() are the caller's.
+// The settings of an accuracy study, also inside a study of variations; `kind` and finish() are the caller's.
 StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder);
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
 

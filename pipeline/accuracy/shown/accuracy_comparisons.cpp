@@ -59,7 +59,7 @@ std::vector<Table> apart_tables(const ResultsSummary& s) {
 
 namespace {
 
-// The method that the oddity of a condition is told by.
+// The method by which a condition's takes are called odd.
 std::string best_in(const ResultsSummary& s, const std::string& condition) {
   const BestMethod* best = find_best(s, condition, average_group(s));
   return best ? best->method : s.reference;
@@ -71,7 +71,8 @@ constexpr double kOdd = 3.5;  // Iglewicz and Hoaglin (1993)
 struct TakeErrors {
   const TakeJointRow* row = nullptr;  // its first
   std::map<std::string, ErrorSum> methods;
-  // Of the best method's error, from the median of the condition's takes, in deviations; NaN: no answer.
+  // Distance of the best method's error from the median of the condition's takes, in deviations; NaN: no
+  // answer.
   double odd = 0.0;
   double far() const { return std::isnan(odd) ? std::numeric_limits<double>::infinity() : std::abs(odd); }
 };

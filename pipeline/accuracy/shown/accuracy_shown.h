@@ -25,7 +25,7 @@ std::vector<Figure> accuracy_figures(const ResultsSummary& summary);
 std::vector<Table> accuracy_tables(const ResultsSummary& summary);
 
 // Methods by joint group, a table a condition, in the study's first alignment: mean errors with intervals,
-// the best marked, and those that are not told apart from it. The leading methods come first.
+// the best marked, and those that cannot be distinguished from it. The leading methods come first.
 std::vector<Table> article_tables(const ResultsSummary& summary);
 // Whether the paper's Table III may stand beside: walking, relative to the mean, against motion capture.
 bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);

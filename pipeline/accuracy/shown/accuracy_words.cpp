@@ -110,8 +110,8 @@ std::string difference_text(const ResultsSummary& s, const std::string& conditio
   return {};
 }
 
-// Of each condition which method errs least on average over the joint groups, how many are not told apart
-// from it, and what that is against the reference.
+// For each condition: the method that errs least on average over the joint groups, how many cannot be
+// distinguished from it, and its difference from the reference.
 std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
   constexpr std::size_t kMostNamed = 4;
   std::vector<std::string> findings;
@@ -144,8 +144,8 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
   return findings;
 }
 
-// What a reader must know before believing a number: failed takes, notes of the checks, clocks, silent
-// methods.
+// The warnings that a reader needs before believing a number: failed takes, notes of the checks, clocks,
+// silent methods.
 std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_notes) {
   std::vector<std::string> warnings;
   const auto notes = std::ranges::count(s.notes, false, &TakeNote::failed);

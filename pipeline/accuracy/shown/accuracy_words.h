@@ -13,14 +13,14 @@
 
 namespace trilat {
 
-// What the tables of an accuracy study share.
-// What a study without mocap can say and what it cannot; empty with mocap.
+// Sentences that the tables of an accuracy study share.
+// The limits of a study without mocap; empty with mocap.
 std::string truth_note(const ResultsSummary& summary);
-// What a table is of: campaign, condition, sensors, alignment (unless empty), takes and participants.
+// The subject of a table: campaign, condition, sensors, alignment (unless empty), takes and participants.
 std::string about(const ResultsSummary& summary, const std::string& condition, const std::string& alignment);
 // How the intervals were made, or why there are none.
 std::string interval_note(const ResultsSummary& summary);
-// Below this share of the samples asked, an error is said to be of these only.
+// Below this share of the samples asked, a warning says that the error is of these only.
 inline constexpr double kLeastCoverage = 0.8;
 // From this share on, every sample counts as answered.
 inline constexpr double kWhole = 0.995;
@@ -32,7 +32,7 @@ void add_take_notes(const ResultsSummary& summary, Table& table);
 
 // "4.9 cm (4.7 to 5.1)", without brackets where there is no interval.
 std::string error_text(const SummaryCell& cell);
-// "57 % (47 to 67) less than `nonlinear`" of the average, or that both cannot be told apart; empty for the
+// "57 % (47 to 67) less than `nonlinear`" of the average, or that both cannot be distinguished; empty for the
 // reference itself and where there is no interval.
 std::string difference_text(const ResultsSummary& summary, const std::string& condition,
                             const std::string& alignment, const std::string& method);
@@ -40,8 +40,8 @@ std::string difference_text(const ResultsSummary& summary, const std::string& co
 // A sentence a condition: which method errs least, by how much, against the reference, and what is like it;
 // `code` and **bold** as in Markdown.
 std::vector<std::string> accuracy_findings(const ResultsSummary& summary);
-// What a reader must know before believing a number: few participants, silent methods, disagreement with
-// Ceres; and, where they are not said elsewhere, failed takes and notes of the checks.
+// The warnings that a reader needs before believing a number: few participants, silent methods, disagreement
+// with Ceres; and, where they are not said elsewhere, failed takes and notes of the checks.
 std::vector<std::string> accuracy_warnings(const ResultsSummary& summary, bool with_notes = true);
 
 }  // namespace trilat

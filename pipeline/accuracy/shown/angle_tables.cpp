@@ -119,7 +119,7 @@ Table angle_table(const ResultsSummary& s, const std::vector<AngleSums>& sums, c
   return table;
 }
 
-// The reference and the leading methods that err least, as many as can be told apart.
+// The reference and the leading methods that err least, as many as can be distinguished.
 std::vector<std::string> shown_methods(const ResultsSummary& s, const std::string& condition) {
   constexpr std::size_t kMost = 3;
   std::vector<std::string> shown{s.reference};

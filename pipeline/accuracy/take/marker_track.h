@@ -37,7 +37,7 @@ class MarkerTrack {
   bool has_z_up_;
 };
 
-// What is odd about its frames and positions, for notes.
+// Notes on oddities of its frames and positions.
 std::vector<std::string> oddities_of(const MarkerTrack& track);
 
 }  // namespace trilat

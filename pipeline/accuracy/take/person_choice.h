@@ -24,7 +24,7 @@ struct PersonChoice {
 // Matches the bodies across sensors and takes the person who is nearest to the ground truth in the median,
 // also before and after a long absence; without ground truth the one with the most frames. Nothing when all
 // bodies are that person's, or when no sensor ever sees two at once, no tracking id went over to another body
-// and nobody is near the truth (which may be in another world). `data` has its times and truth.
+// and no person is near the truth (which may be in another world). `data` has its times and truth.
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
                                           const TakeData& data);
 

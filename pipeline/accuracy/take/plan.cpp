@@ -77,7 +77,7 @@ void check_world(const Calibration& calibration, const StudySpec& study, const s
                            "evaluate with \"alignments\": [\"rigid\"] alone");
 }
 
-// Of a take without truth: nothing limits the joints.
+// The mapping of a take without truth: nothing limits the joints.
 JointMapping every_joint() {
   JointMapping mapping;
   for (int j = 0; j < kJointCount; ++j) mapping.joints.push_back({static_cast<Joint>(j), {}});
@@ -322,7 +322,7 @@ void look_into_all(Plan& plan, const Watch& watch) {
     }
     watch.tell(static_cast<double>(++done) / static_cast<double>(plan.takes.size()));
   });
-  // Where no take can be evaluated, the first reason is said before anything is written.
+  // Where no take can be evaluated, the first reason is an error before anything is written.
   if (std::ranges::none_of(plan.takes, &PlannedTake::ok))
     throw InputError(plan.takes.front().place, plan.takes.front().problem);
 }

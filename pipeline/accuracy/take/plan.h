@@ -18,8 +18,7 @@
 
 namespace trilat {
 
-// What the estimates of one take are held against: its mocap; what each sensor sees, left out in turn; or
-// nothing.
+// The truth of one take: its mocap; what each sensor sees, left out in turn; or nothing.
 enum class TakeTruth : std::uint8_t { mocap, left_out_sensor, nothing };
 
 // One take, looked into: which sensor of its session is which of the rig, where they stand, how their clocks
@@ -31,7 +30,7 @@ struct PlannedTake {
   bool ok = false;
   std::string place, problem;
   bool simulated = false;
-  bool level = true;  // the calibration's world has y up, as far as its label says
+  bool level = true;  // the calibration's world has y up, by its label
   bool in_mocap_world = false;
   bool truth_has_z_up = false;
   JointMapping mapping;
@@ -45,7 +44,7 @@ struct PlannedTake {
   std::vector<NamedPoint> points{};  // of the mocap, by the plan's names, where there is no session
 };
 
-// What a run will do, in an order that does not depend on threads. The id of a work item is the id of its
+// The work of a run, in an order that does not depend on threads. The id of a work item is the id of its
 // take.
 struct Plan {
   StudySpec study;

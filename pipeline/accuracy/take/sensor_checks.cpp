@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMostViewInstants = 400;    // that places are compared at, spread over the take
 constexpr std::size_t kMostClockInstants = 3000;  // that movements are compared at, one after the other
 constexpr std::size_t kClockJoints = 6;
-constexpr std::size_t kFewestRows = 100;  // joints at instants; of fewer nothing is said
+constexpr std::size_t kFewestRows = 100;  // joints at instants; fewer are not checked
 // Beyond these the recording contradicts its description. Trackers differ by a few centimetres, and a
 // calibration with bodies is good to a degree or two.
 constexpr double kSameStream_m = 0.0003;  // a tracker's noise alone is 1 mm
@@ -61,7 +61,7 @@ class SensorChecker {
     for (std::size_t s = 0; s < sensors_; ++s) sound_.push_back(s);
   }
 
-  // What is found first explains what would be found next: sensors that are named are left out from then on.
+  // The first finding explains those that would follow: sensors that are named are left out from then on.
   SensorChecks run() {
     find_same_streams();
     find_mirrored();
@@ -117,7 +117,7 @@ class SensorChecker {
     return distances_m.size() < kFewestRows ? kNaN : median_of(distances_m);
   }
 
-  // Of the joints as two trackers deliver them, each in its own frame.
+  // Median distance of the joints as two trackers deliver them, each in its own frame.
   double raw_distance_m(std::size_t a, std::size_t b) const {
     std::vector<double> distances_m;
     const std::size_t step = std::max<std::size_t>(1, bodies_.instants() / kMostViewInstants);
@@ -307,7 +307,7 @@ class SensorChecker {
     leave_out(who);
   }
 
-  // What some joints move by about each instant.
+  // The movements of some joints about each instant.
   Movements movements_of(std::size_t sensor) const {
     const std::size_t instants = std::min(bodies_.instants(), kMostClockInstants);
     const std::size_t first = (bodies_.instants() - instants) / 2;

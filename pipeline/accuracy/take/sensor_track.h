@@ -25,7 +25,7 @@ struct SensorFrame {
   std::span<const SeenBody> bodies;
 };
 
-// What one sensor sees in a session. Moved and not copied: frames refer to the bodies.
+// All bodies that one sensor sees in a session. Moved and not copied: frames refer to the bodies.
 struct SensorBodies {
   SensorBodies() = default;
   SensorBodies(SensorBodies&&) = default;

@@ -18,11 +18,10 @@ constexpr std::uint64_t kCheckedEvery = 8;
 
 constexpr std::uint64_t kBlock = 256;      // instants that are solved together
 constexpr std::uint64_t kSideBySide = 16;  // of them by one thread
-// What an instant of a windowed method counts in the progress, where one of all others together counts 1.
+// Weight of an instant of a windowed method in the progress, where one of all others together counts 1.
 constexpr std::uint64_t kWindowedWork = 5;
 
-// What the rig saw during a block, as stated or as corrected: per instant and joint, one observation a
-// sensor.
+// Observations of the rig during a block, as stated or as corrected: per instant and joint, one a sensor.
 struct Observations {
   std::size_t sensors = 0, joints = 0;
   bool is_corrected = false;

@@ -7,22 +7,22 @@
 
 namespace trilat {
 
-// What a take was checked by, and a note with size and remedy for what lies beyond its limit.
+// The checks of a take, and a note with size and remedy for each that lies beyond its limit.
 struct TakeChecks {
   std::vector<CheckRow> rows = {};
   std::vector<TakeNote> notes = {};
 };
 
-// What the sensors of a take say against each other: the same stream twice, a mirrored one, poses that were
+// Checks of the sensors of a take against each other: the same stream twice, a mirrored one, poses that were
 // exchanged or are far off or change during the take, a clock that is off, ranges or positions of another
-// scale. What is found first explains what would be found next. A sound take has no note.
+// scale. The first finding explains those that would follow. A sound take has no note.
 struct SensorChecks : TakeChecks {
   bool misplaced = false;  // poses are exchanged or far off, so that one person's bodies lie apart
 };
 // `bodies`: as they were read, before anything is repaired.
 SensorChecks check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
 
-// What the sensors of a take say against its ground truth, however the two worlds lie: a mirrored one,
+// Checks of the sensors of a take against its ground truth, however the two worlds lie: a mirrored one,
 // another unit, of all or of one joint; joints that are exchanged in the mapping, or far from where they
 // should be. A sound take has no note.
 TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data);

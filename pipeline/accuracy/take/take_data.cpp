@@ -28,7 +28,7 @@ constexpr std::size_t kTogether = 64;  // instants that one thread looks at for 
 constexpr double kGapsOfFrames = 1.3, kGapStep_s = 0.05;
 constexpr double kHole = 2.0;  // times the median step between frames
 
-// What there is to know of the truth.
+// Notes on the truth's axes and oddities.
 std::vector<TakeNote> notes_on_truth(const PlannedTake& planned, const SampledTruth& truth) {
   std::vector<TakeNote> notes;
   const auto note = [&](std::string text) {
@@ -55,7 +55,7 @@ void append(TakeChecks more, TakeData& data) {
   std::ranges::move(more.notes, std::back_inserter(data.notes));
 }
 
-// The chosen person's bodies, or those that are tracked best when nobody is chosen.
+// The chosen person's bodies, or those that are tracked best when no person is chosen.
 BodyTracks follow(const Plan& plan, const RigBodies& seen, const PersonChoice* person,
                   const std::vector<HostTime>& time) {
   const Duration gap = duration_from_s(plan.study.sensor_gap_s);
@@ -77,7 +77,7 @@ std::optional<double> frame_step_s(const SensorBodies& seen) {
   return std::accumulate(steps_s.begin(), steps_s.end(), 0.0) / static_cast<double>(steps_s.size());
 }
 
-// What a sensor's stream is like by itself; sensors of which the same is to be said are named together.
+// Notes on each sensor's stream by itself; sensors with the same note are named together.
 std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& planned, const RigBodies& seen) {
   std::vector<std::pair<std::string, std::string>> notes;  // sensors, text
   const auto note = [&](std::size_t s, const std::string& text) {

@@ -50,8 +50,8 @@ struct TakeData {
   ClockRow clock;                                           // by motion, when the study asks
   SelfCalibration shown;                                    // what the take shows of its calibration
   std::vector<RigidTransform> corrected_rig;                // world_from_sensor by it, by rig sensor
-  // Of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan, for the
-  // take's first and second half.
+  // Sigmas of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan,
+  // for the take's first and second half.
   std::array<std::vector<RaySigma>, 2> sigma;
   std::vector<CheckRow> checks;  // what the take was checked by
   bool sensor_named = false;     // a note of check_sensors() explains what else sensors seem to show
@@ -85,10 +85,10 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
 TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded,
                        const std::function<bool()>& stop_requested);
 
-// What methods see of it: exchanges of left and right undone, the mocap's clock checked, occlusions counted,
-// and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked joints are
-// the truth, which has none where it does not track (inferred ones are the tracker's guess); it and its
-// predictors are put right each without the other.
+// The take as methods see it: exchanges of left and right undone, the mocap's clock checked, occlusions
+// counted, and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked
+// joints are the truth, which has none where it does not track (inferred ones are the tracker's guess); it
+// and its predictors are put right each without the other.
 TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed,
                   const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
                   const std::function<bool()>& stop_requested);

@@ -21,7 +21,7 @@ struct Rows {
   std::vector<std::uint32_t> cluster;
 };
 
-// Of these joints, at instants first to last.
+// Observations of these joints, at instants first to last.
 Rows rows_of(const PlannedTake& planned, const TakeData& data, std::span<const Joint> joints,
              std::size_t first, std::size_t last, bool is_corrected) {
   Rows rows;
@@ -45,7 +45,7 @@ std::vector<std::vector<std::size_t>> joints_by_group(const Plan& plan) {
   return list;
 }
 
-// Of the joints with these numbers, as they show from instant `first` to `last`.
+// Sigma that the joints with these numbers show from instant `first` to `last`.
 RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                   const std::vector<std::size_t>& numbers, std::size_t first, std::size_t last,
                   bool is_corrected) {
@@ -55,8 +55,8 @@ RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const TakeData& 
   return estimate_ray_sigma(rows.observations, rig_of(planned, data, is_corrected), rows.cluster).sigma;
 }
 
-// What the calibration states, as root mean square over the sensors, where that is less than the usual: wide
-// priors would let the whole rig drift.
+// Priors as the calibration states them, root mean square over the sensors, where that is less than the
+// usual: wide priors would let the whole rig drift.
 CorrectionPriors priors_of(const std::vector<SensorPose>& poses) {
   CorrectionPriors priors;
   const auto set = [&](double& prior, double SensorPose::*sigma) {

@@ -6,14 +6,15 @@
 
 namespace trilat {
 
-// What the sensors of a take disagree by along and across their rays, all joints of the plan together, and
-// what methods lose and gain by it. Looks at some instants, spread evenly.
+// Disagreement of a take's sensors along and across their rays, all joints of the plan together. Looks at
+// some instants, spread evenly.
 RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 // Whether some method's calibration is "estimated".
 bool estimates_calibration(const Plan& plan);
 
-// What all joints of the body, at instants spread evenly, show of the calibration.
+// Estimates by all joints of the body, at instants spread evenly, how the sensors stand beside the
+// calibration.
 void find_corrections(const PlannedTake& planned, TakeData& data);
 
 // For methods whose sigma is "estimated": each half of the take gets the sigmas that the other half shows,

@@ -36,7 +36,7 @@ struct TakeCheck {
   TRILAT_FIELDS(samples, disagreements, worst_m, worst_at, disagreed_at)
 };
 
-// What one take says of how its sensors tracked.
+// Diagnostics of one take's sensors.
 struct TakeTracking {
   std::vector<CheckRow> checks;
   ClockRow clock;
@@ -58,7 +58,7 @@ struct TakeResult {
   TRILAT_FIELDS(evaluated, inputs, notes, checks, tracking)
 };
 
-// What the takes of a plan say together.
+// The results of all takes of a plan together.
 struct RunOutcome {
   std::vector<TakeNote> notes;  // in the order of the takes
   std::vector<bool> evaluated;  // by take

@@ -14,7 +14,7 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kMostTruthInstants = 400;  // that are looked at, spread over the take
-constexpr std::size_t kFewest = 30;              // instants of a joint; of fewer nothing is said
+constexpr std::size_t kFewest = 30;              // instants of a joint; fewer are not checked
 constexpr int kRounds = 6;                       // of weighting the joints by how well they fit
 constexpr double kWell_m = 0.1;                  // a joint that is so far off counts half
 // Beyond these the truth contradicts the sensors. Markers and trackers mean different points of a joint,

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kTruthRate_hz = 60.0;  // dense enough for movements smoothed over 60 ms
 constexpr double kGrid_hz = 120.0;
-// Of a tracker behind the body: Kinect v2 bodies arrive some 60 ms late in all.
+// Longest lag of a tracker behind the body: Kinect v2 bodies arrive some 60 ms late in all.
 constexpr double kLongestLag_s = 0.1;
 constexpr double kNoticeable_m = 0.005;  // mean speed times what the lag does not explain
 
@@ -83,7 +83,7 @@ std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, 
                   static_cast<double>(truth.end().ns) * 1e-9, planned.take.mocap_start_host_ns));
 }
 
-// What a user has to know of a clock that the trackers' lag does not explain; empty when there is nothing.
+// Warning of a clock offset that the trackers' lag does not explain; empty when there is none.
 std::string warning_of(const ClockOffset& found, const StudySpec& study) {
   if (found.status == ClockOffsetStatus::no_agreement && std::isfinite(found.misfit_m))
     return fmt::format(
