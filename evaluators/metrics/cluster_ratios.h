@@ -30,6 +30,8 @@ struct ContrastEstimate {
   double high() const;
   double low(double alpha) const;
   double high(double alpha) const;
+  // low() of a mean of lengths or other sizes, none of which is below zero.
+  double low_of_size() const { return low() < 0.0 ? 0.0 : low(); }
 };
 
 // Every cluster enters all its ratios at once, so that what its samples share cancels where it is subtracted.

@@ -14,11 +14,10 @@ namespace trilat {
 namespace {
 
 // A mean distance is not negative, whatever the width of its interval; NaN stays.
-double not_below_zero(double distance_m) { return distance_m < 0.0 ? 0.0 : distance_m; }
 
 void set_interval(SummaryCell& cell, const ContrastEstimate& mean) {
   cell.mae_m = mean.value;
-  cell.mae_low_m = not_below_zero(mean.low());
+  cell.mae_low_m = mean.low_of_size();
   cell.mae_high_m = mean.high();
   cell.clusters = mean.clusters;
 }
@@ -179,10 +178,10 @@ class Summary {
     cell.instants = errors.bodies(m);
     cell.clusters = mpjpe.clusters;
     cell.mpjpe_m = mpjpe.value;
-    cell.mpjpe_low_m = not_below_zero(mpjpe.low());
+    cell.mpjpe_low_m = mpjpe.low_of_size();
     cell.mpjpe_high_m = mpjpe.high();
     cell.pa_mpjpe_m = pa_mpjpe.value;
-    cell.pa_mpjpe_low_m = not_below_zero(pa_mpjpe.low());
+    cell.pa_mpjpe_low_m = pa_mpjpe.low_of_size();
     cell.pa_mpjpe_high_m = pa_mpjpe.high();
     std::size_t alignment = 0;
     double bone_sd_m = 0.0, jerk_m_s3 = 0.0, truth_jerk_m_s3 = 0.0;
@@ -281,7 +280,7 @@ class Summary {
           sums.ratio(errors.cluster_count(), 1.0 / static_cast<double>(errors.groups().size())));
     }
     const ContrastEstimate own = solve_contrast(mean);
-    summary_.family_cells.push_back({family.name, condition, own.value, own.low(), own.high(),
+    summary_.family_cells.push_back({family.name, condition, own.value, own.low_of_size(), own.high(),
                                      quotient(static_cast<double>(answered), asked)});
   }
 

@@ -217,7 +217,7 @@ Table ranges_table(const VariationsSummary& s) {
 // Between participants.
 TableValue error_cell(const std::vector<double>& person_m) {
   const ContrastEstimate mean = mean_of(person_m);
-  return cm_cell(mean.value, mean.low(), mean.high());
+  return cm_cell(mean.value, mean.low_of_size(), mean.high());
 }
 
 TableValue change_cell(const std::vector<double>& person_m, const std::vector<double>& first_m) {
@@ -300,7 +300,8 @@ Figure patches_figure(const VariationsSummary& s) {
       if (!s.points[p].problem.empty()) continue;
       const ContrastEstimate mean = mean_of(s.points[p].person_m[m]);
       series.points.push_back({kCentimetresPerMetre * mean.value, static_cast<double>(p),
-                               kCentimetresPerMetre * mean.low(), kCentimetresPerMetre * mean.high()});
+                               kCentimetresPerMetre * mean.low_of_size(),
+                               kCentimetresPerMetre * mean.high()});
     }
     figure.series.push_back(std::move(series));
   }

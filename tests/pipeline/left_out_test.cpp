@@ -185,6 +185,8 @@ TEST(LeftOut, RowsAreOfParticipants) {
   EXPECT_NEAR(rows[0].mean_range_m.value, -0.03, 1e-12);
   EXPECT_TRUE(std::isnan(rows[0].bone_m.value));
   EXPECT_NEAR(rows[0].range_m.high - 0.03, 12.706 * 0.01, 1e-3);  // Student's t of one degree
+  EXPECT_EQ(rows[0].range_m.low, 0.0);                            // a distance
+  EXPECT_LT(rows[0].mean_range_m.low, -0.1);
 }
 
 TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {

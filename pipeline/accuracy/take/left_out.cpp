@@ -24,9 +24,10 @@ void add(PredictionSums& sums, const Eigen::Vector3d& predicted_in_sensor_m,
   sums.bearing_m += predicted_in_sensor_m.cross(ray).norm();
 }
 
-// The mean of what `sum` adds up in these entries, participants as clusters.
+// The mean of what `sum` adds up in these entries, participants as clusters. `signed_sum`: it may be below
+// zero.
 Estimate mean_of(const std::vector<const PredictionSums*>& entries, double PredictionSums::*sum,
-                 std::uint64_t PredictionSums::*n) {
+                 std::uint64_t PredictionSums::*n, bool signed_sum) {
   WeightedRatio mean;
   std::vector<std::string> participants;
   for (const PredictionSums* entry : entries) {
@@ -41,7 +42,7 @@ Estimate mean_of(const std::vector<const PredictionSums*>& entries, double Predi
     mean.denominator[k] += static_cast<double>(entry->*n);
   }
   const ContrastEstimate estimate = solve_contrast({{mean}, {}});
-  return {estimate.value, estimate.low(), estimate.high()};
+  return {estimate.value, signed_sum ? estimate.low() : estimate.low_of_size(), estimate.high()};
 }
 
 }  // namespace
@@ -125,7 +126,7 @@ std::vector<PredictionRow> prediction_rows(const std::vector<PredictionSums>& su
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto mean = [&](double PredictionSums::*sum,
                           std::uint64_t PredictionSums::*n = &PredictionSums::n) {
-      return mean_of(entries[k], sum, n);
+      return mean_of(entries[k], sum, n, sum == &PredictionSums::range_m);
     };
     rows[k].range_m = mean(&PredictionSums::abs_range_m);
     rows[k].bearing_m = mean(&PredictionSums::bearing_m);

@@ -84,6 +84,7 @@ TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const TakeD
 
 std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
   std::vector<CheckRow> rows;
+  if (!planned.level) return rows;  // they are not looked for
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {
     double seen = 0.0, exchanged = 0.0;
     for (std::size_t i = 0; i < data.time.size(); ++i) {

@@ -31,7 +31,8 @@ TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeD
 // note where check_sensors() has none. Without rows where the bodies show nothing of the calibration.
 TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
-// In which share of the instants a sensor was found to have left and right exchanged.
+// In which share of the instants a sensor was found to have left and right exchanged; without rows in a world
+// that is not level.
 std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 }  // namespace trilat
