@@ -74,7 +74,7 @@ bool is_told_apart(const ContrastEstimate& difference, std::size_t others) {
 
 std::pair<double, double> mean_interval(const std::vector<double>& sums, const std::vector<double>& counts) {
   const ContrastEstimate mean = solve_contrast({{{sums, counts}}, {}});
-  return {mean.low(), mean.high()};
+  return {mean.low_of_size(), mean.high()};
 }
 
 }  // namespace trilat

@@ -46,7 +46,8 @@ ContrastEstimate solve_contrast(const Contrast& contrast);
 // standard error.
 bool is_told_apart(const ContrastEstimate& difference, std::size_t others);
 
-// The 95 % interval of sum(sums) / sum(counts), one of each a cluster; NaN with fewer than two.
+// The 95 % interval of the mean size sum(sums) / sum(counts), one of each a cluster; not below zero, and NaN
+// with fewer than two.
 std::pair<double, double> mean_interval(const std::vector<double>& sums, const std::vector<double>& counts);
 
 }  // namespace trilat

@@ -323,7 +323,6 @@ ErrorSpread spread_of(const std::vector<ClusteredError>& errors) {
     counts.push_back(s.second);
   }
   std::tie(spread.mean_low_m, spread.mean_high_m) = mean_interval(sums, counts);
-  if (spread.mean_low_m < 0.0) spread.mean_low_m = 0.0;  // NaN stays
   return spread;
 }
 

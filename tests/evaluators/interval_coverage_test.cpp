@@ -95,10 +95,12 @@ TEST(IntervalCoverage, OfMeansAndOfTheSetThatHoldsTheBest) {
 }
 
 TEST(Intervals, CountClustersWithDataAlone) {
-  const auto [low, high] = mean_interval({1.0, 2.0, 6.0, 0.0}, {1.0, 1.0, 1.0, 0.0});
-  EXPECT_NEAR(low, 3.0 - 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);  // Student's t of two degrees
-  EXPECT_NEAR(high, 3.0 + 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);
+  const auto [low, high] = mean_interval({11.0, 12.0, 16.0, 0.0}, {1.0, 1.0, 1.0, 0.0});
+  EXPECT_NEAR(low, 13.0 - 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);  // Student's t of two degrees
+  EXPECT_NEAR(high, 13.0 + 4.302653 * std::sqrt(7.0 / 3.0), 1e-6);
+  EXPECT_EQ(mean_interval({1.0, 2.0, 6.0}, {1.0, 1.0, 1.0}).first, 0.0);  // no size is below zero
   EXPECT_TRUE(std::isnan(mean_interval({1.0}, {1.0}).first));
+  EXPECT_TRUE(std::isnan(mean_interval({1.0}, {1.0}).second));
 }
 
 // Clopper and Pearson's own interval of 9 in 10, and of 10 in 10: (alpha / 2)^(1/10).

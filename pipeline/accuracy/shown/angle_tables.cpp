@@ -64,7 +64,7 @@ TableValue absolute_cell(const OfTakes& takes) {
     n += person.second;
   }
   const auto [low, high] = mean_interval(sums, counts);
-  return number_cell(1, sum / n, std::max(0.0, low), high);
+  return number_cell(1, sum / n, low, high);
 }
 
 // Mean over takes, in degrees.
