@@ -42,7 +42,8 @@ class MeasureTracker(unittest.TestCase):
         for rows in sets.values():
             rows[["q50", "q90", "q99"]] *= 100
         self.assertEqual({len(rows) for rows in sets.values()}, {3 * 3 * 7})
-        self.assertTrue(script.markdown(script.beside(sets["judged"], sets["simulated"])) in document)
+        twins = (ROOT / "docs/explanation/real_recordings/twins.csv").read_text()
+        self.assertEqual(script.beside(sets["judged"], sets["simulated"]).to_csv(), twins)
         for ours, theirs, name in (("simulated", "fitted", "twins beside participants 2, 4 and 10, on whom the tracker is measured"),
                                    ("simulated", "judged", "twins beside participants 12, 14 and 16"),
                                    ("fitted", "judged", "participants 2, 4 and 10 beside 12, 14 and 16")):
