@@ -222,6 +222,8 @@ void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector
                  const std::function<bool()>& stop_requested, TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
+  if (data.clock.applied && !std::isfinite(clock.row.offset_s))
+    return;  // stays where the person was found by it
   data.clock = clock.row;
   if (!clock.warning.empty())
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
