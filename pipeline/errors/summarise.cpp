@@ -13,8 +13,6 @@
 namespace trilat {
 namespace {
 
-// A mean distance is not negative, whatever the width of its interval; NaN stays.
-
 void set_interval(SummaryCell& cell, const ContrastEstimate& mean) {
   cell.mae_m = mean.value;
   cell.mae_low_m = mean.low_of_size();
