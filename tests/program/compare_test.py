@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Joints that other methods and systems gave: `trilat compare`, and takes that bring joints."""
+import importlib.util
 import json
 import math
 import os
@@ -20,6 +21,7 @@ import trilat as library  # noqa: E402
 
 RATE_HZ, FRAMES = 50.0, 400
 NAMES = ("head", "knee_left", "ankle_left", "ankle_right", "LTH3", "Marker 7")
+needs_pandas = unittest.skipIf(importlib.util.find_spec("pandas") is None, "pandas is not installed (Debian: python3-pandas)")
 OPENSIM = SOURCE.parent / "shared/data/markers-other/opensim-core/test_walking.trc"
 
 
@@ -164,6 +166,7 @@ class Compare(ScratchTest):
         self.compared(self.folder / "openpose.trc")
         self.assertEqual({c["group"] for c in self.cells()}, {"head", "knee", "ankle", "average"})
 
+    @needs_pandas
     def test_joint_angles_are_those_of_numpy(self):
         rng, names = np.random.default_rng(4), ("hip_left", "hip_right", "shoulder_left", "shoulder_right", "knee_left", "ankle_left")
         truth = {name: rng.normal(0, 0.3, 3) + 0.1 * np.sin(rng.uniform(1, 3) * self.time_s[:, None] + rng.uniform(0, 6, 3)) for name in names}
@@ -283,6 +286,7 @@ class Brought(ScratchTest):
         self.assertEqual(take["joints"], [{"method": "pose2sim", "file": "p01/pose2sim.trc",
                                            "mapping": {"knee_left": ["marker:LKnee"], "ankle_left": ["marker:LAnkle"]}}])
 
+    @needs_pandas
     def test_the_documents_example_runs(self):
         page = (SOURCE / "docs/how-to/own_method.md").read_text(encoding="utf-8")
         example = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
