@@ -7,6 +7,7 @@
 
 #include "evaluators/alignment/alignment.h"
 #include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/student.h"
 #include "pipeline/accuracy/take/movement_lag.h"
 #include "pipeline/accuracy/take/take_checks.h"
 
@@ -426,12 +427,12 @@ class SensorChecker {
     const std::vector<double> all = ratios_without(sensors_);
     if (all.size() < 2) return;
     const double scale = median_of(all);
-    const double reach = kSigmas * spread_of(all, scale) / std::sqrt(static_cast<double>(all.size()));
-    const bool beyond = std::abs(scale - 1.0) > std::max(kAllRanges, reach);
+    const double sigma = spread_of(all, scale) / std::sqrt(static_cast<double>(all.size()));
+    const bool beyond = std::abs(scale - 1.0) > std::max(kAllRanges, kSigmas * sigma);
     CheckRow of_all = row(0, "range scale", "1", scale, kAllRanges);
     of_all.subject = "all";
-    of_all.low = scale - reach;
-    of_all.high = scale + reach;
+    of_all.low = scale - student_quantile(all.size() - 1) * sigma;
+    of_all.high = scale + student_quantile(all.size() - 1) * sigma;
     add(of_all, beyond);
     if (beyond)
       note_calibration(

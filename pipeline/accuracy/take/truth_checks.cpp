@@ -193,10 +193,9 @@ class TruthChecker {
       std::size_t clusters = 0;
       sigma = scale_sigma(plan_.joints, both_, clusters);
       if (clusters >= 2) {
-        const double reach = student_quantile(clusters - 1, kScaleAlpha) * sigma;
-        row.low = scale - reach;
-        row.high = scale + reach;
-        row.beyond = std::abs(scale - 1.0) > reach;
+        row.low = scale - student_quantile(clusters - 1) * sigma;
+        row.high = scale + student_quantile(clusters - 1) * sigma;
+        row.beyond = std::abs(scale - 1.0) > student_quantile(clusters - 1, kScaleAlpha) * sigma;
       }
     }
     add(row);
