@@ -158,10 +158,11 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
                                    notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
                                    noted->place, noted->text));
   if (s.participants < 6)
-    warnings.push_back(
-        fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
-                    s.participants < 3 ? "intervals are between takes, and say nothing of other people"
-                                       : "intervals are wide, and hold for people like these alone"));
+    warnings.push_back(fmt::format(
+        "Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
+        s.participants < 3 ? "intervals are between takes, or between five seconds of a single take, "
+                             "and say nothing of other people"
+                           : "intervals are wide, and hold for people like these alone"));
   for (const CrossCheck& check : s.cross_checks)
     if (!check.passed())
       warnings.push_back(
