@@ -183,13 +183,17 @@ Json with_named_rows(const Json& document) {
   return named;
 }
 
-// The largest first; what has no size in percent before all others.
+// Alarms first, and what is surely worse before numbers that changed one way or the other; of each the
+// largest first, those without a size in percent before all others.
 void sort_findings(std::vector<GateFinding>& findings) {
   const auto size = [](const GateFinding& f) {
     return std::isnan(f.percent) ? HUGE_VAL : std::abs(f.percent);
   };
   std::ranges::stable_sort(findings, [&](const GateFinding& a, const GateFinding& b) {
-    return std::pair(!a.alarm, -size(a)) < std::pair(!b.alarm, -size(b));
+    const auto order = [&](const GateFinding& f) {
+      return std::tuple(!f.alarm, f.kind == FindingKind::number, -size(f));
+    };
+    return order(a) < order(b);
   });
 }
 

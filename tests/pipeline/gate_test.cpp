@@ -196,6 +196,31 @@ TEST(Gate, AStudyOfAnotherShapeDoesNotBlindTheOthers) {
   EXPECT_NEAR(alarms[1].percent, 10.0, 1e-9);
 }
 
+// A number of another study that was zero has no size in percent; more or less of it is not surely worse.
+TEST(Gate, AMethodThatIsSurelyWorseComesBeforeNumbersThatChanged) {
+  ScratchFolder folder;
+  for (const char* night : {"now", "before"}) {
+    const bool is_now = std::string(night) == "now";
+    write_made_results(folder / night / "walks", {}, is_now ? larger_errors(1.1) : Spoil{});
+    MadeStudy other;
+    other.name = "runs";
+    write_made_results(folder / night / "runs", other);
+    Json manifest = read_json(folder / night / "runs/manifest.json");
+    manifest["study"]["kind"] = "recording";
+    write_file(folder / night / "runs/manifest.json", manifest.dump());
+    write_file(folder / night / "runs/summary.json", Json{{"format", "trilat.results"},
+                                                          {"version", 2},
+                                                          {"kind", "recording"},
+                                                          {"study", "runs"},
+                                                          {"late", is_now ? 1.0 : 0.0}}
+                                                         .dump());
+  }
+  const auto alarms = alarms_of(compare_results(folder / "now", folder / "before"));
+  ASSERT_THAT(alarms, SizeIs(3));  // the average of the joints, too
+  EXPECT_EQ(alarms[0].study, "walks");
+  EXPECT_EQ(alarms[2].study, "runs");
+}
+
 TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
   Nights nights;
   nights.write({});
