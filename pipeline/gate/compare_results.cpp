@@ -184,10 +184,11 @@ Json with_named_rows(const Json& document) {
 }
 
 // Alarms first, and what is surely worse before numbers that changed one way or the other; of each the
-// largest first, those without a size in percent before all others.
+// largest first. Failures have no size and come before all others, numbers that were zero behind them.
 void sort_findings(std::vector<GateFinding>& findings) {
   const auto size = [](const GateFinding& f) {
-    return std::isnan(f.percent) ? HUGE_VAL : std::abs(f.percent);
+    if (std::isnan(f.percent)) return f.kind == FindingKind::number ? 0.0 : HUGE_VAL;
+    return std::abs(f.percent);
   };
   std::ranges::stable_sort(findings, [&](const GateFinding& a, const GateFinding& b) {
     const auto order = [&](const GateFinding& f) {
