@@ -319,9 +319,10 @@ class Comparison {
       add_note(fmt::format("{} take{} only one side has, {}", takes.one_sided.size(),
                            takes.one_sided.size() == 1 ? " that" : "s that", takes.one_sided.front()));
     if (!takes.same.empty()) compare_takes(pair.now.name, before, now, takes.same, limits_, report_);
-    if (!takes.other.empty()) {
+    if (!takes.other.empty())
       add_note(fmt::format("other recordings of {} take{}, {}", takes.other.size(),
                            takes.other.size() == 1 ? "" : "s", takes.other.front()));
+    if (!takes.other.empty() || takes.same.empty()) {
       compare_others(pair.now.name, takes.same.empty() ? before : summary_of(before, takes.other),
                      takes.same.empty() ? now : summary_of(now, takes.other), verdict, add_note);
     } else {

@@ -58,48 +58,57 @@ TEST(GateUnjudged, OtherRecordingsOfTenParticipantsAreJudged) {
                                         HasSubstr("judged between 10 participants"), HasSubstr("chance")));
 }
 
-// Two of ten takes were recorded again and are worse: the eight others do not make the night quiet.
-TEST(GateUnjudged, FewTakesOfOtherRecordingsAreNotQuietBesideOthersThatAre) {
+// Ten takes of which all but the first `same` were recorded again, and errors that `spoil` changes.
+Ended gate_of_mixed(std::size_t same, const Spoil& spoil) {
   MadeStudy study;
   Nights nights(study, {});
   study.input_sha256 = "11";
-  study.same_takes = 8;
-  write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+  study.same_takes = same;
+  write_made_results(nights.folder / "now", study, spoil);
+  return nights.gate();
+}
+
+// The eight takes that are the same do not make the night quiet.
+TEST(GateUnjudged, FewTakesOfOtherRecordingsAreNotQuietBesideOthersThatAre) {
+  const Ended ended = gate_of_mixed(8, [](MadeSample& s) {
     if (s.take >= 8) s.error_m *= s.take == 8 ? 1.8 : 2.2;
   });
-  const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 3) << ended.out;
   EXPECT_THAT(ended.out, testing::AllOf(testing::StartsWith("NOT JUDGED: 2 participants in walks"),
                                         HasSubstr("other recordings of 2 takes, p8-walking")));
 }
 
-// Among the takes whose recordings are the same an error grew: that is an alarm, whatever the others say.
 TEST(GateUnjudged, TakesOfTheSameRecordingsAreJudgedBesideOthers) {
-  MadeStudy study;
-  Nights nights(study, {});
-  study.input_sha256 = "11";
-  study.same_takes = 8;
-  write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+  const Ended ended = gate_of_mixed(8, [](MadeSample& s) {
     if (s.take < 8 && s.method == 1) s.error_m *= 1.03;
   });
-  const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.out;
   EXPECT_THAT(ended.out, testing::StartsWith("REGRESSION: walks, nonlinear, walking"));
 }
 
-// Nine of ten were recorded again, all of them worse by about a third: judged between these nine.
 TEST(GateUnjudged, ManyTakesOfOtherRecordingsAreJudgedBesideOneThatIsTheSame) {
-  MadeStudy study;
-  Nights nights(study, {});
-  study.input_sha256 = "11";
-  study.same_takes = 1;
-  write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+  const Ended ended = gate_of_mixed(1, [](MadeSample& s) {
     if (s.take > 0 && s.method == 1) s.error_m *= 1.3 + 0.02 * static_cast<double>(s.take % 4);
   });
-  const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.out;
   EXPECT_THAT(ended.out, testing::AllOf(testing::StartsWith("REGRESSION: walks, nonlinear, walking"),
                                         HasSubstr("judged between 9 participants")));
+}
+
+// No take has a namesake in the baseline: other persons, who are judged or said not to be.
+TEST(GateUnjudged, OtherPersonsAreNeverQuietUnseen) {
+  for (const std::size_t persons : {2, 10}) {
+    MadeStudy study;
+    study.participants = persons;
+    Nights nights(study, {});
+    study.input_sha256 = "11";
+    study.first_person = 20;
+    write_made_results(nights.folder / "now", study, [](MadeSample& s) {
+      if (s.method == 1) s.error_m *= 1.5 + 0.02 * static_cast<double>(s.take % 4);
+    });
+    const Ended ended = nights.gate();
+    EXPECT_EQ(ended.code, persons == 2 ? 3 : 1) << ended.out;
+  }
 }
 
 }  // namespace

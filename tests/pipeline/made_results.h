@@ -33,7 +33,8 @@ struct MadeStudy {
   bool simulated = true;
   std::uint64_t seed = 1;
   std::string input_sha256 = "00";
-  std::size_t same_takes = 0;  // so many of the first keep the hash "00"
+  std::size_t same_takes = 0;    // so many of the first keep the hash "00"
+  std::size_t first_person = 0;  // the number in the first participant's name
   std::uint64_t takes_failed = 0;
 };
 
@@ -45,7 +46,7 @@ inline std::vector<TakeJointRow> made_rows(const MadeStudy& study, const Spoil& 
   for (std::size_t t = 0; t < study.participants; ++t)
     for (std::size_t j = 0; j < kJoints.size(); ++j)
       for (std::size_t m = 0; m < kMethods.size(); ++m) {
-        const std::string person = "p" + std::to_string(t);
+        const std::string person = "p" + std::to_string(study.first_person + t);
         TakeJointRow row{person + "-walking",       person,     "walking",
                          j == 0 ? "head" : "wrist", kJoints[j], kMethods[m]};
         const RandomStream random{study.seed, Purpose::test, t * 3 + j};
@@ -67,7 +68,7 @@ inline std::vector<TakeJointRow> made_rows(const MadeStudy& study, const Spoil& 
 inline void write_made_manifest(const std::filesystem::path& folder, const MadeStudy& study) {
   Json takes = Json::array(), inputs = Json::array(), items = Json::object();
   for (std::size_t p = 0; p < study.participants; ++p) {
-    const std::string name = "p" + std::to_string(p);
+    const std::string name = "p" + std::to_string(study.first_person + p);
     takes.push_back({{"id", name + "-walking"},
                      {"participant", name},
                      {"activity", "walking"},
