@@ -23,8 +23,7 @@ constexpr double kCoarse_s = 1.0 / 30.0;
 constexpr double kNearHighest = 0.8;
 
 // One joint's truth on a regular grid: speed, position, and position less what is slow; NaN where not
-// covered.
-// In single precision, which is a tenth of a micrometre.
+// covered. Single precision: a tenth of a micrometre at a metre.
 struct TruthGrid {
   double start_s = 0.0, step_s = 0.0;
   std::vector<float> speed_m_s;
@@ -58,7 +57,7 @@ struct TruthGrid {
   }
 };
 
-// In single precision, too.
+// One joint's estimate at one time: speed, position, and position less what is slow, in single precision.
 struct QuickMotion {
   static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   float speed_m_s = kNone;

@@ -15,7 +15,7 @@
 namespace trilat {
 
 // One number that a take was checked by. `what`, with its unit, is one of those that FORMATS.md lists; beyond
-// its limit a note of the take names it, with the remedy.
+// its limit a note of the take names it, with the remedy, unless the note of another check explains it.
 struct CheckRow {
   std::string take = {}, subject = {};                          // a sensor, a joint, "mocap" or "all"
   std::string what = {}, unit = {};                             // "m", "s", "rad", or "1" of a ratio

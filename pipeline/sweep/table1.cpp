@@ -116,7 +116,7 @@ std::map<std::string, Table1Readings> readings_by_name(const SweepSummary& s) {
   return all;
 }
 
-// Of many readings, whether a ranking or a comparison names this one.
+// Whether all of Table I was run, and the readings are few or a comparison of the search names this one.
 bool is_worth_a_table(const SweepSummary& s, const Table1Readings& readings, std::size_t families) {
   if (!readings.complete()) return false;
   if (families <= kMostTables) return true;

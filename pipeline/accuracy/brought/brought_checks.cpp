@@ -210,7 +210,7 @@ std::optional<double> best_start_s(const Plan& plan, const PointPath* truth, con
   return best_s;
 }
 
-// Reports the offset of the clock that the motion shows; nothing when it is under 20 ms or cannot be told.
+// Reports the offset of the clock that the motion shows; nothing when it is under 20 ms or unknown.
 std::optional<std::string> clock_text(const ClockOffset& found, const BroughtTrack& brought) {
   if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
     return "does not move as the truth moves, at any start that was looked at; is it the same take, and the "

@@ -82,6 +82,7 @@ MovementLag lag_of(const Movements& own, const Movements& others, double rate_hz
   double squares = 0.0;
   for (std::size_t b = 0; b < kBlocks; ++b)
     squares += std::pow(best_lag(by_lag, most, b) - lag, 2);  // NaN where a block decides
+  if (std::isnan(squares)) return {kNaN, kNaN};
   constexpr double kCount = kBlocks;
   return {lag / rate_hz, std::sqrt((kCount - 1.0) / kCount * squares) / rate_hz};
 }

@@ -13,15 +13,15 @@ struct Movements {
   std::size_t joints = 0;
 };
 
-// By how much one stream of movements comes later than another, with the standard deviation of a jackknife
-// over blocks of time.
+// Lag of one stream of movements behind another, and its standard deviation by a jackknife over eight blocks
+// of time; above zero: the stream comes later.
 struct MovementLag {
   double lag_s, sigma_s;
 };
 
-// `others`: of the same instants and joints, zero where they are not known. NaN for less than
-// six seconds, and where the streams correlate at no lag within a second, or nearly as well without one, or
-// as well when one stream is turned.
+// `others`: of the same instants and joints, zero where they are not known. Both are NaN for less than six
+// seconds, and where the streams correlate at no lag within a second, nearly as well without one, or as well
+// when one stream is turned, with any of the blocks left out.
 MovementLag lag_of(const Movements& own, const Movements& others, double rate_hz);
 
 }  // namespace trilat

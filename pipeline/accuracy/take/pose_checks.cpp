@@ -54,12 +54,12 @@ class PoseChecker {
                        shown.range_m.value > 0.0 ? "far" : "near"));
   }
 
-  // Whether the interval lies beyond the limit and nothing else explains it.
+  // Whether a note is due: the interval lies beyond the limit, and no note of check_sensors() explains it.
   bool add(std::size_t s, const char* what, const char* unit, const Magnitude& m, double limit) {
     CheckRow row{planned_.take.id, plan_.rig[s], what, unit, m.value, m.low, m.high, limit};
-    row.beyond = !data_.sensor_named && std::max(m.low, -m.high) > limit;
+    row.beyond = std::max(m.low, -m.high) > limit;
     checks_.rows.push_back(row);
-    return row.beyond;
+    return row.beyond && !data_.sensor_named;
   }
   // "4.0 (3.1 to 4.9)", without a sign.
   static std::string text_of(const Magnitude& m, double factor) {

@@ -326,7 +326,7 @@ class SensorChecker {
     return movements;
   }
 
-  // By how much a sensor shows movements later than the mean of the others.
+  // Lag of a sensor's movements behind the sum of the others'.
   MovementLag lag_of_sensor(const std::vector<Movements>& movements, std::size_t sensor) const {
     Movements others{Points(movements[sensor].moved_m.size(), Eigen::Vector3d::Zero()),
                      movements[sensor].joints};
@@ -337,6 +337,7 @@ class SensorChecker {
   }
 
   void find_clocks() {
+    if (sound_.size() < 2) return;
     std::vector<Movements> movements;
     for (std::size_t s = 0; s < sensors_; ++s) movements.push_back(movements_of(s));
     while (sound_.size() >= 2) {

@@ -206,6 +206,14 @@ class TruthChecker {
     if (row.subject.empty()) row.subject = "mocap";
     checks_.rows.push_back(std::move(row));
   }
+  void add_joint(std::size_t j, const char* what, double limit_m, bool beyond) {
+    add({.subject = name(j),
+         .what = what,
+         .unit = "m",
+         .value = off_m_[j],
+         .limit = limit_m,
+         .beyond = beyond});
+  }
   void note(const std::filesystem::path& place, std::string text) {
     checks_.notes.push_back({planned_.take.id, false, place.string(), std::move(text)});
   }
@@ -242,12 +250,7 @@ class TruthChecker {
                          "sensors see them, and {:.2f} and {:.2f} m the other way round; mend the mapping",
                          name(j), name(k), off_m_[j], off_m_[k], there_m, back_m));
         for (const std::size_t of : {j, k}) {
-          add({.subject = name(of),
-               .what = "exchanged",
-               .unit = "m",
-               .value = off_m_[of],
-               .limit = kExchanged_m,
-               .beyond = true});
+          add_joint(of, "exchanged", kExchanged_m, true);
           off_m_[of] = kNaN;
         }
       }
@@ -262,13 +265,7 @@ class TruthChecker {
     for (std::size_t j = 0; j < joints(); ++j) {
       const double limit_m = std::max(kFar_m, kFarTimes * usual_m);
       const bool beyond = off_m_[j] > limit_m;
-      if (std::isfinite(off_m_[j]))
-        add({.subject = name(j),
-             .what = "place",
-             .unit = "m",
-             .value = off_m_[j],
-             .limit = limit_m,
-             .beyond = beyond});
+      if (std::isfinite(off_m_[j])) add_joint(j, "place", limit_m, beyond);
       if (!beyond) continue;
       const double times =
           movement_m(both_.truth[j], both_.seen[j]) / movement_m(both_.seen[j], both_.truth[j]);
