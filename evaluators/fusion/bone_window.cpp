@@ -18,17 +18,21 @@ namespace {
 bool is_seen(const JointObservation& o) { return o.seen && o.point_in_world_m.allFinite(); }
 
 void check(const BodyPath& path) {
-  TRILAT_CHECK(path.sensors <= kMaxSensors &&
-                   path.observations.size() == path.time_ns.size() * path.joints.size() * path.sensors,
-               "every instant and joint has one observation a sensor");
+  TRILAT_CHECK(path.sensors <= kMaxSensors, "a rig has at most kMaxSensors sensors");
   for (std::size_t i = 1; i < path.time_ns.size(); ++i)
     TRILAT_CHECK(path.time_ns[i] > path.time_ns[i - 1], "times rise");
   for (std::size_t j = 0; j < path.joints.size(); ++j)
     TRILAT_CHECK(std::ranges::count(path.joints, path.joints[j]) == 1, "every joint is listed once");
 }
 
-// Each joint by itself, smoothed.
-std::vector<Eigen::Vector3d> smoothed(const BodyPath& path, const BoneWindowOptions& options) {
+bool is_tracked(const JointObservation& o) { return is_seen(o) && o.state == TrackingState::tracked; }
+
+// Each joint by itself, by instant and joint.
+struct Smoothed {
+  std::vector<Eigen::Vector3d> position_m;
+  std::vector<bool> tracked;  // by some sensor
+};
+Smoothed smoothed(const BodyPath& path, const BoneWindowOptions& options) {
   const std::size_t instants = path.time_ns.size(), joints = path.joints.size();
   KalmanOptions smoother;
   smoother.sigma_m = options.sigma_m;
@@ -38,25 +42,19 @@ std::vector<Eigen::Vector3d> smoothed(const BodyPath& path, const BoneWindowOpti
   smoother.longest_gap_s = options.longest_gap_s;
   smoother.gate_sigma = std::numeric_limits<double>::infinity();
   smoother.smooth = true;
-  std::vector<Eigen::Vector3d> position_m(instants * joints);
-  std::vector<JointObservation> seen(instants * path.sensors);
-  std::vector<PointEstimate> estimates(instants);
+  Smoothed all{std::vector<Eigen::Vector3d>(instants * joints), std::vector<bool>(instants * joints)};
   for (std::size_t j = 0; j < joints; ++j) {
-    for (std::size_t i = 0; i < instants; ++i)
-      std::ranges::copy(path.of(i, j), seen.begin() + static_cast<std::ptrdiff_t>(i * path.sensors));
-    solve_kalman(path.time_ns, seen, path.sensors, smoother, estimates);
-    for (std::size_t i = 0; i < instants; ++i) position_m[i * joints + j] = estimates[i].position_m;
+    const JointPath joint{path.time_ns, path.sensors, [&](std::size_t i, std::span<JointObservation> seen) {
+                            path.observe(i, j, seen);
+                            all.tracked[i * joints + j] = std::ranges::any_of(seen, is_tracked);
+                          }};
+    const std::vector<PointEstimate> estimates = solve_kalman(joint, smoother);
+    for (std::size_t i = 0; i < instants; ++i) all.position_m[i * joints + j] = estimates[i].position_m;
   }
-  return position_m;
+  return all;
 }
 
-bool is_tracked(std::span<const JointObservation> observations) {
-  return std::ranges::any_of(observations, [](const JointObservation& o) {
-    return is_seen(o) && o.state == TrackingState::tracked;
-  });
-}
-
-std::vector<MedianBone> bones_of(const BodyPath& path, const std::vector<Eigen::Vector3d>& position_m) {
+std::vector<MedianBone> bones_of(const BodyPath& path, const Smoothed& smoothed) {
   std::vector<MedianBone> bones;
   for (std::size_t child = 0; child < path.joints.size(); ++child) {
     const auto parent_joint = parent_of(path.joints[child]);
@@ -65,11 +63,10 @@ std::vector<MedianBone> bones_of(const BodyPath& path, const std::vector<Eigen::
     if (found == path.joints.end()) continue;
     const auto parent = static_cast<std::size_t>(found - path.joints.begin());
     std::vector<double> lengths_m;
-    for (std::size_t i = 0; i < path.time_ns.size(); ++i)
-      if (is_tracked(path.of(i, parent)) && is_tracked(path.of(i, child)))
+    for (std::size_t first = 0; first < smoothed.tracked.size(); first += path.joints.size())
+      if (smoothed.tracked[first + parent] && smoothed.tracked[first + child])
         lengths_m.push_back(
-            (position_m[i * path.joints.size() + child] - position_m[i * path.joints.size() + parent])
-                .norm());
+            (smoothed.position_m[first + child] - smoothed.position_m[first + parent]).norm());
     if (!lengths_m.empty()) bones.push_back({parent, child, median(lengths_m)});
   }
   return bones;
@@ -124,7 +121,12 @@ class Window {
         options_(options),
         instants_(static_cast<Eigen::Index>(window.last - window.first)),
         lanes_(3 * static_cast<Eigen::Index>(path.joints.size())),
+        seen_((window.last - window.first) * path.joints.size() * path.sensors),
         moves_(Course::Zero(lanes_, instants_)) {
+    std::size_t slot = 0;
+    for (std::size_t i = window.first; i < window.last; ++i)
+      for (std::size_t j = 0; j < path.joints.size(); ++j, slot += path.sensors)
+        path.observe(i, j, std::span(seen_).subspan(slot, path.sensors));
     for (Eigen::Index i = 1; i < instants_; ++i) {
       steps_.emplace_back(step_s(i), options.acceleration_density_m2_s3);
       for (Eigen::Index j = 0; j < lanes_ / 3; ++j)
@@ -132,19 +134,21 @@ class Window {
     }
   }
 
-  void solve(std::span<PointEstimate> estimates) {
+  std::vector<PointEstimate> solve() {
     Course x = start();
     const SolveStatus status = minimise(x);
+    std::vector<PointEstimate> estimates;
     for (std::size_t i = window_.answer_first; i < window_.answer_last; ++i)
-      for (std::size_t j = 0; j < path_.joints.size(); ++j) {
-        const auto instant = static_cast<Eigen::Index>(i - window_.first),
-                   joint = static_cast<Eigen::Index>(j);
-        PointEstimate& estimate = estimates[i * path_.joints.size() + j];
-        estimate = failed_estimate(has(instant, joint) ? status : SolveStatus::no_observation);
-        if (!has(instant, joint)) continue;
+      for (Eigen::Index joint = 0; joint < lanes_ / 3; ++joint) {
+        const auto instant = static_cast<Eigen::Index>(i - window_.first);
+        const bool is_answered = has(instant, joint);
+        PointEstimate& estimate =
+            estimates.emplace_back(failed_estimate(is_answered ? status : SolveStatus::no_observation));
+        if (!is_answered) continue;
         estimate.position_m = position(x, instant, joint);
         estimate.iterations = iterations_;
       }
+    return estimates;
   }
 
  private:
@@ -156,7 +160,7 @@ class Window {
   bool has(Eigen::Index i, Eigen::Index j) const { return start_m(i, j).allFinite(); }
   bool moves_on(Eigen::Index i, Eigen::Index j) const { return moves_(3 * j, i) > 0.0; }
   std::span<const JointObservation> seen(Eigen::Index i, Eigen::Index j) const {
-    return path_.of(of_take(i), static_cast<std::size_t>(j));
+    return {&seen_[static_cast<std::size_t>(i * (lanes_ / 3) + j) * path_.sensors], path_.sensors};
   }
   double step_s(Eigen::Index i) const {
     return static_cast<double>(path_.time_ns[of_take(i)] - path_.time_ns[of_take(i) - 1]) * 1e-9;
@@ -426,9 +430,10 @@ class Window {
   const BoneWindows& windows_;
   const TimeWindow& window_;
   const BoneWindowOptions& options_;
-  Eigen::Index instants_, lanes_;  // lanes: the coordinates of all joints
-  Course moves_;                   // 1 where a coordinate goes on from the instant before
-  std::vector<Step> steps_;        // to each instant but the first
+  Eigen::Index instants_, lanes_;       // lanes: the coordinates of all joints
+  std::vector<JointObservation> seen_;  // by instant, joint and sensor
+  Course moves_;                        // 1 where a coordinate goes on from the instant before
+  std::vector<Step> steps_;             // to each instant but the first
   // The normal equations: diagonal; position with velocity; yz, xz, xy of each position; bones.
   Course gradient_, curvature_, position_velocity_, across_, bone_rows_;
   // The chains' factorisation: D_i^-1, and what comes over from the instant before, T_i D_{i-1}^-1.
@@ -442,18 +447,17 @@ class Window {
 BoneWindows plan_bone_windows(const BodyPath& path, const BoneWindowOptions& options) {
   check(path);
   BoneWindows result;
-  result.start_m = smoothed(path, options);
-  result.bones = bones_of(path, result.start_m);
+  Smoothed start = smoothed(path, options);
+  result.bones = bones_of(path, start);
+  result.start_m = std::move(start.position_m);
   result.windows = windows_of(path.time_ns, options.window_s);
   return result;
 }
 
-void solve_bone_window(const BodyPath& path, const BoneWindows& windows, std::size_t window,
-                       const BoneWindowOptions& options, std::span<PointEstimate> estimates) {
-  TRILAT_CHECK(
-      window < windows.windows.size() && estimates.size() == path.time_ns.size() * path.joints.size(),
-      "the window is there and every instant and joint has an estimate");
-  Window(path, windows, windows.windows[window], options).solve(estimates);
+std::vector<PointEstimate> solve_bone_window(const BodyPath& path, const BoneWindows& windows,
+                                             std::size_t window, const BoneWindowOptions& options) {
+  TRILAT_CHECK(window < windows.windows.size(), "the window is there");
+  return Window(path, windows, windows.windows[window], options).solve();
 }
 
 }  // namespace trilat

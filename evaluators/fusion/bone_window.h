@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -32,17 +33,15 @@ struct BoneWindowOptions {
   int max_iterations = 200;  // of each window
 };
 
-// What is seen of one person: for every instant and joint one observation a sensor (instants x joints x
-// sensors). Positions that are not finite count as not seen.
+// What is seen of one person.
 struct BodyPath {
   std::span<const std::int64_t> time_ns;  // must rise
   std::span<const Joint> joints;          // each once
   std::size_t sensors = 0;
-  std::span<const JointObservation> observations;
-
-  std::span<const JointObservation> of(std::size_t instant, std::size_t joint) const {
-    return observations.subspan((instant * joints.size() + joint) * sensors, sensors);
-  }
+  // Says what every sensor sees of a joint, by its number in the list, at an instant; is called from any
+  // thread, for each some times. Positions that are not finite count as not seen.
+  std::function<void(std::size_t instant, std::size_t joint, std::span<JointObservation> observations)>
+      observe;
 };
 
 // A bone between two joints of the path, as numbers in its list.
@@ -70,14 +69,15 @@ struct BoneWindows {
   std::vector<TimeWindow> windows;  // every instant is answered by one
 };
 
-// InternalError when lengths do not fit, times do not rise or a joint stands twice.
+// InternalError when times do not rise or a joint stands twice.
 [[nodiscard]] BoneWindows plan_bone_windows(const BodyPath& path, const BoneWindowOptions& options);
 
-// Minimises one window's cost (Levenberg-Marquardt, its steps by conjugate gradients) and fills the slots of
-// the instants it answers (`estimates`: instants x joints of the whole path): converged, iteration_limit,
-// diverged, or no_observation where the smoother has no path. Windows do not depend on each other and may be
-// solved at the same time. Covariances stay NaN.
-void solve_bone_window(const BodyPath& path, const BoneWindows& windows, std::size_t window,
-                       const BoneWindowOptions& options, std::span<PointEstimate> estimates);
+// Minimises one window's cost (Levenberg-Marquardt, its steps by conjugate gradients) and gives the estimates
+// of the instants it answers, by instant and joint: converged, iteration_limit, diverged, or no_observation
+// where the smoother has no path. Windows do not depend on each other and may be solved at the same time.
+// Covariances stay NaN.
+[[nodiscard]] std::vector<PointEstimate> solve_bone_window(const BodyPath& path, const BoneWindows& windows,
+                                                           std::size_t window,
+                                                           const BoneWindowOptions& options);
 
 }  // namespace trilat

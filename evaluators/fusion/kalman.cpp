@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/fusion/kalman.h"
 
-#include <vector>
+#include <array>
 
 #include "datasets/base/error.h"
 
@@ -91,8 +91,7 @@ class Path {
       begin(i, instant);
       return;
     }
-    const PathState prediction = predict(filtered_.back(), step_s(i), options_.acceleration_density_m2_s3);
-    PathState state = prediction;
+    PathState state = predicted(filtered_.back(), i);
     if (update(state, instant, options_)) {
       last_seen_ = i;
     } else if (seconds(last_seen_, i) > options_.longest_gap_s) {
@@ -100,9 +99,7 @@ class Path {
       begin(i, instant);
       return;
     }
-    predicted_.push_back(prediction);
-    filtered_.push_back(state);
-    if (!options_.smooth) estimates_[i] = estimate_of(state);
+    keep(i, state);
   }
 
   // Smooths from the first to the last position of the path.
@@ -112,11 +109,11 @@ class Path {
       estimates_[last_seen_] = estimate_of(later);
       for (std::size_t k = last_seen_ - first_; k-- > 0;) {
         const PathState& filtered = filtered_[k];
+        const PathState prediction = predicted(filtered, first_ + k + 1);
         const Eigen::Matrix2d gain = filtered.covariance * transition(step_s(first_ + k + 1)).transpose() *
-                                     predicted_[k + 1].covariance.inverse();
-        later = {filtered.mean + gain * (later.mean - predicted_[k + 1].mean),
-                 filtered.covariance +
-                     gain * (later.covariance - predicted_[k + 1].covariance) * gain.transpose()};
+                                     prediction.covariance.inverse();
+        later = {filtered.mean + gain * (later.mean - prediction.mean),
+                 filtered.covariance + gain * (later.covariance - prediction.covariance) * gain.transpose()};
         estimates_[first_ + k] = estimate_of(later);
       }
     }
@@ -129,9 +126,20 @@ class Path {
     if (!start(state, instant, options_)) return;
     running_ = true;
     first_ = last_seen_ = i;
-    predicted_.assign(1, state);
-    filtered_.assign(1, state);
-    if (!options_.smooth) estimates_[i] = estimate_of(state);
+    filtered_.clear();
+    keep(i, state);
+  }
+  // The filter needs no state but the last.
+  void keep(std::size_t i, const PathState& state) {
+    if (!options_.smooth) {
+      filtered_.clear();
+      estimates_[i] = estimate_of(state);
+    }
+    filtered_.push_back(state);
+  }
+  // At instant i, from the state at the one before.
+  PathState predicted(const PathState& before, std::size_t i) const {
+    return predict(before, step_s(i), options_.acceleration_density_m2_s3);
   }
   double seconds(std::size_t from, std::size_t to) const {
     return static_cast<double>(time_ns_[to] - time_ns_[from]) * 1e-9;
@@ -143,19 +151,23 @@ class Path {
   std::span<PointEstimate> estimates_;
   bool running_ = false;
   std::size_t first_ = 0, last_seen_ = 0;
-  std::vector<PathState> predicted_, filtered_;  // from first_ on
+  std::vector<PathState> filtered_;  // the smoother's from first_ on
 };
 
 }  // namespace
 
-void solve_kalman(std::span<const std::int64_t> time_ns, std::span<const JointObservation> observations,
-                  std::size_t sensors, const KalmanOptions& options, std::span<PointEstimate> estimates) {
-  TRILAT_CHECK(sensors <= kMaxSensors && observations.size() == time_ns.size() * sensors &&
-                   estimates.size() == time_ns.size(),
-               "every instant has one observation a sensor and one estimate");
-  Path path(time_ns, options, estimates);
-  for (std::size_t i = 0; i < time_ns.size(); ++i) path.add(i, observations.subspan(i * sensors, sensors));
-  path.end();
+std::vector<PointEstimate> solve_kalman(const JointPath& path, const KalmanOptions& options) {
+  TRILAT_CHECK(path.sensors <= kMaxSensors, "a rig has at most kMaxSensors sensors");
+  std::vector<PointEstimate> estimates(path.time_ns.size());
+  Path course(path.time_ns, options, estimates);
+  std::array<JointObservation, kMaxSensors> instant;
+  const std::span<JointObservation> seen(instant.data(), path.sensors);
+  for (std::size_t i = 0; i < path.time_ns.size(); ++i) {
+    path.observe(i, seen);
+    course.add(i, seen);
+  }
+  course.end();
+  return estimates;
 }
 
 }  // namespace trilat

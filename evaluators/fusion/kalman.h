@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include "evaluators/fusion/joint_observation.h"
 #include "evaluators/solvers/point_estimate.h"
@@ -27,12 +29,18 @@ struct KalmanOptions {
   bool smooth = false;
 };
 
-// `observations`: for every instant one a sensor, in the rig's order (instants x sensors). `time_ns` must
-// rise. One estimate an instant: closed_form with `covariance` of the position, or no_observation where no
-// path is: before the first position, in a gap longer than longest_gap_s; the smoother also not behind the
-// last position. non_finite_input is not met: positions that are not finite count as not seen.
-// InternalError when the lengths do not fit.
-void solve_kalman(std::span<const std::int64_t> time_ns, std::span<const JointObservation> observations,
-                  std::size_t sensors, const KalmanOptions& options, std::span<PointEstimate> estimates);
+// What is seen of one joint over time.
+struct JointPath {
+  std::span<const std::int64_t> time_ns;  // must rise
+  std::size_t sensors = 0;
+  // Says what every sensor of the rig sees of it at an instant. Positions that are not finite count as not
+  // seen.
+  std::function<void(std::size_t instant, std::span<JointObservation> observations)> observe;
+};
+
+// One estimate an instant: closed_form with `covariance` of the position, or no_observation where no path is:
+// before the first position, in a gap longer than longest_gap_s; the smoother also not behind the last
+// position. non_finite_input is not met.
+[[nodiscard]] std::vector<PointEstimate> solve_kalman(const JointPath& path, const KalmanOptions& options);
 
 }  // namespace trilat

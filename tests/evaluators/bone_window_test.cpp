@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <iterator>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -31,7 +32,11 @@ struct Scene {
   std::vector<Vector3d> truth_m;
   std::vector<JointObservation> seen;
 
-  BodyPath path() const { return {time_ns, joints, kSceneSensors, seen}; }
+  BodyPath path() const {
+    return {time_ns, joints, kSceneSensors, [this](std::size_t i, std::size_t joint, auto observations) {
+              std::ranges::copy_n(&seen[slot(i, joint) * kSceneSensors], kSceneSensors, observations.begin());
+            }};
+  }
   JointObservation& at(std::size_t i, std::size_t joint, std::size_t sensor) {
     return seen[(i * joints.size() + joint) * kSceneSensors + sensor];
   }
@@ -71,22 +76,21 @@ Scene scene_of(std::size_t instants, double noise_m, const std::vector<Joint>& j
 }
 
 std::vector<PointEstimate> solve(const Scene& scene, const BoneWindowOptions& options) {
-  std::vector<PointEstimate> estimates(scene.truth_m.size());
+  std::vector<PointEstimate> estimates;
   const BodyPath path = scene.path();
   const BoneWindows windows = plan_bone_windows(path, options);
   for (std::size_t k = 0; k < windows.windows.size(); ++k)
-    solve_bone_window(path, windows, k, options, estimates);
+    std::ranges::copy(solve_bone_window(path, windows, k, options), std::back_inserter(estimates));
   return estimates;
 }
 
-std::vector<PointEstimate> smoothed(Scene& scene, std::size_t joint, const BoneWindowOptions& options) {
-  std::vector<JointObservation> seen;
-  for (std::size_t i = 0; i < scene.time_ns.size(); ++i)
-    for (std::size_t s = 0; s < kSceneSensors; ++s) seen.push_back(scene.at(i, joint, s));
-  KalmanOptions smoother{.gate_sigma = kNever, .longest_gap_s = options.longest_gap_s, .smooth = true};
-  std::vector<PointEstimate> estimates(scene.time_ns.size());
-  solve_kalman(scene.time_ns, seen, kSceneSensors, smoother, estimates);
-  return estimates;
+std::vector<PointEstimate> smoothed(const Scene& scene, std::size_t joint, const BoneWindowOptions& options) {
+  const KalmanOptions smoother{.gate_sigma = kNever, .longest_gap_s = options.longest_gap_s, .smooth = true};
+  const auto observe = scene.path().observe;
+  return solve_kalman(
+      {scene.time_ns, kSceneSensors,
+       [&](std::size_t instant, auto observations) { observe(instant, joint, observations); }},
+      smoother);
 }
 
 TEST(BoneWindow, ExactPositionsOfAPersonWhoStandsGiveTheTruth) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "evaluators/fusion/kalman.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -59,10 +61,16 @@ Walk random_walk(std::uint64_t seed, std::size_t instants, const KalmanOptions& 
   return walk;
 }
 
+std::vector<PointEstimate> solve(const std::vector<JointObservation>& seen, const KalmanOptions& options) {
+  const auto time_ns = times(seen.size() / kSensors);
+  return solve_kalman({time_ns, kSensors,
+                       [&](std::size_t instant, std::span<JointObservation> observations) {
+                         std::ranges::copy_n(&seen[instant * kSensors], kSensors, observations.begin());
+                       }},
+                      options);
+}
 std::vector<PointEstimate> solve(const Walk& walk, const KalmanOptions& options) {
-  std::vector<PointEstimate> estimates(walk.truth_m.size());
-  solve_kalman(times(estimates.size()), walk.seen, kSensors, options, estimates);
-  return estimates;
+  return solve(walk.seen, options);
 }
 
 TEST(Kalman, ErrorsAreAsLargeAsItsCovarianceSays) {
@@ -195,9 +203,8 @@ TEST(Kalman, APersonWhoIsSuddenlyElsewhereIsFollowedAfterTheGap) {
 }
 
 TEST(Kalman, WithoutAnyObservationThereIsNoPath) {
-  std::vector<JointObservation> seen(20 * kSensors);
-  std::vector<PointEstimate> estimates(20);
-  solve_kalman(times(20), seen, kSensors, {}, estimates);
+  const auto estimates = solve(std::vector<JointObservation>(20 * kSensors), {});
+  EXPECT_EQ(estimates.size(), 20u);
   for (const PointEstimate& estimate : estimates) EXPECT_EQ(estimate.status, SolveStatus::no_observation);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "datasets/base/error.h"
 #include "evaluators/fusion/bone_window.h"
@@ -25,19 +26,21 @@ std::vector<Joint> joints_with_bones(std::span<const Joint> asked) {
   return joints;
 }
 
+PathPoint point_of(const PointEstimate& estimate) {
+  return {estimate.position_m, estimate.status, estimate.iterations};
+}
+
 }  // namespace
 
 void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCalls&, MethodPaths& paths) {
-  const std::size_t instants = seen.time_ns.size(), sensors = seen.sensors;
   parallel_for_index(seen.joints.size(), 1, [&](std::size_t j) {
-    std::vector<JointObservation> path(instants * sensors);
-    for (std::size_t i = 0; i < instants; ++i)
-      seen.observe(i, seen.joints[j], std::span(path).subspan(i * sensors, sensors));
-    std::vector<PointEstimate> estimates(instants);
-    solve_kalman(seen.time_ns, path, sensors, method.spec.kalman, estimates);
-    for (std::size_t i = 0; i < instants; ++i)
-      paths.points[i * paths.joints + j] = {estimates[i].position_m, estimates[i].status,
-                                            estimates[i].iterations};
+    const JointPath path{seen.time_ns, seen.sensors,
+                         [&](std::size_t instant, std::span<JointObservation> observations) {
+                           seen.observe(instant, seen.joints[j], observations);
+                         }};
+    const std::vector<PointEstimate> estimates = solve_kalman(path, method.spec.kalman);
+    for (std::size_t i = 0; i < estimates.size(); ++i)
+      paths.points[i * paths.joints + j] = point_of(estimates[i]);
   });
 }
 
@@ -45,25 +48,20 @@ void solve_windows(const Method& method, const SeenInTime& seen, const OverTimeC
                    MethodPaths& paths) {
   const BoneWindowOptions& options = method.spec.window;
   const std::vector<Joint> joints = joints_with_bones(seen.joints);
-  const std::size_t instants = seen.time_ns.size(), sensors = seen.sensors;
-  std::vector<JointObservation> observations(instants * joints.size() * sensors);
-  parallel_for_index(instants, 64, [&](std::size_t i) {
-    for (std::size_t j = 0; j < joints.size(); ++j)
-      seen.observe(i, joints[j], std::span(observations).subspan((i * joints.size() + j) * sensors, sensors));
-  });
-  const BodyPath path{seen.time_ns, joints, sensors, observations};
+  const BodyPath path{seen.time_ns, joints, seen.sensors,
+                      [&](std::size_t instant, std::size_t joint, std::span<JointObservation> observations) {
+                        seen.observe(instant, joints[joint], observations);
+                      }};
   const BoneWindows windows = plan_bone_windows(path, options);
-  std::vector<PointEstimate> estimates(instants * joints.size());
   parallel_for_index(windows.windows.size(), 1, [&](std::size_t k) {
     if (calls.must_stop && calls.must_stop()) throw Interrupted();
-    solve_bone_window(path, windows, k, options, estimates);
-    if (calls.advanced) calls.advanced(windows.windows[k].answer_last - windows.windows[k].answer_first);
+    const std::vector<PointEstimate> estimates = solve_bone_window(path, windows, k, options);
+    const auto [first, last] = std::pair(windows.windows[k].answer_first, windows.windows[k].answer_last);
+    for (std::size_t i = first; i < last; ++i)
+      for (std::size_t j = 0; j < paths.joints; ++j)  // those asked for come first
+        paths.points[i * paths.joints + j] = point_of(estimates[(i - first) * joints.size() + j]);
+    if (calls.advanced) calls.advanced(last - first);
   });
-  for (std::size_t i = 0; i < instants; ++i)
-    for (std::size_t j = 0; j < paths.joints; ++j) {
-      const PointEstimate& estimate = estimates[i * joints.size() + j];  // those asked for come first
-      paths.points[i * paths.joints + j] = {estimate.position_m, estimate.status, estimate.iterations};
-    }
 }
 
 }  // namespace trilat

@@ -185,8 +185,8 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
   for (std::size_t m = 0; m < plan.methods.size(); ++m)
     if (is_over_time(plan.methods[m]) && m < first_brought(plan))
       all.push_back({m, plan.joints.size(), std::vector<PathPoint>(time_ns.size() * plan.joints.size())});
-  parallel_for_index(all.size(), 1, [&](std::size_t k) {
-    const Method& method = plan.methods[all[k].method];
+  for (MethodPaths& paths : all) {  // one after the other: each takes memory, and threads by itself
+    const Method& method = plan.methods[paths.method];
     const auto observe = [&](std::size_t instant, Joint joint, std::span<JointObservation> observations) {
       observe_joint(data, planned, method.spec.calibration_is_estimated, instant, joint, observations);
       const SensorMask used = sensors_of(
@@ -195,8 +195,8 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
         if (!used[s]) observations[s] = {};
     };
     method.spec.kind->over_time(method, {time_ns, planned.world_from_sensor.size(), plan.joints, observe},
-                                calls, all[k]);
-  });
+                                calls, paths);
+  }
   return all;
 }
 
