@@ -170,23 +170,24 @@ void solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& d
   for (std::size_t k = 0; k < checks.size(); ++k) sums[k / count].merge(checks[k]);
 }
 
-// How many methods solve windows of all joints together, which takes long.
-std::size_t windowed_methods(const Plan& plan) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      plan.methods, [](const Method& method) { return method.spec.kind->over_time == solve_windows; }));
-}
+bool is_windowed(const Method& method) { return method.spec.kind->over_time == solve_windows; }
 
-// All methods that need whole paths.
+// All methods that need whole paths, one after the other: each by itself uses all threads, and windows most
+// memory, so that they come before there are paths.
 std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                                          const OverTimeCalls& calls) {
   std::vector<std::int64_t> time_ns;
   for (const HostTime t : data.time) time_ns.push_back(t.ns);
+  std::vector<std::size_t> methods;
+  for (std::size_t m = 0; m < first_brought(plan); ++m)
+    if (is_over_time(plan.methods[m])) methods.push_back(m);
+  std::ranges::stable_partition(methods, is_windowed,
+                                [&](std::size_t m) -> const Method& { return plan.methods[m]; });
   std::vector<MethodPaths> all;
-  for (std::size_t m = 0; m < plan.methods.size(); ++m)
-    if (is_over_time(plan.methods[m]) && m < first_brought(plan))
-      all.push_back({m, plan.joints.size(), std::vector<PathPoint>(time_ns.size() * plan.joints.size())});
-  for (MethodPaths& paths : all) {  // one after the other: each takes memory, and threads by itself
-    const Method& method = plan.methods[paths.method];
+  for (const std::size_t m : methods) {
+    const Method& method = plan.methods[m];
+    MethodPaths& paths =
+        all.emplace_back(m, plan.joints.size(), std::vector<PathPoint>(time_ns.size() * plan.joints.size()));
     const auto observe = [&](std::size_t instant, Joint joint, std::span<JointObservation> observations) {
       observe_joint(data, planned, method.spec.calibration_is_estimated, instant, joint, observations);
       const SensorMask used = sensors_of(
@@ -215,7 +216,8 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
 std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                                   std::span<const MethodPaths> brought, bool cross_check, StageClocks& clocks,
                                   const Watch& watch, const std::function<void(const SampleBlock&)>& each) {
-  const std::uint64_t total = data.time.size() * (1 + kWindowedWork * windowed_methods(plan));
+  const auto windowed = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, is_windowed));
+  const std::uint64_t total = data.time.size() * (1 + kWindowedWork * windowed);
   std::atomic<std::uint64_t> done{0};
   const auto advance = [&](std::uint64_t work) {
     watch.tell(static_cast<double>(done += work) / static_cast<double>(total));
