@@ -29,11 +29,9 @@ void check_names(const std::vector<std::filesystem::path>& results) {
   std::map<std::string, std::filesystem::path> known;
   for (const std::filesystem::path& folder : results)
     if (const auto [found, is_new] = known.emplace(usable_id(folder_name(folder)), folder); !is_new)
-      throw InputError(
-          folder.string(),
-          fmt::format("has the name of {}, and a report names its tables by it: rename one of the two, "
-                      "or write two reports",
-                      found->second.string()));
+      throw InputError(folder.string(), fmt::format("has the name of {}, and a report names its tables by "
+                                                    "it: rename one of the two, or write two reports",
+                                                    found->second.string()));
 }
 
 std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
@@ -84,8 +82,7 @@ void draw_all(ReportContent& content) {
   if (!has_pictures)
     content.headline.warnings.emplace_back(
         "There are no pictures, because gnuplot is not installed (`apt-get install gnuplot-nox`); the "
-        "numbers of "
-        "the figures are in CSV files.");
+        "numbers of the figures are in CSV files.");
 }
 
 }  // namespace

@@ -78,11 +78,10 @@ void ColumnRows::check_decimal_comma(std::string_view line) const {
   constexpr double kTimes = 1.4;
   if (line.find('.') == std::string_view::npos &&
       static_cast<double>(written) > kTimes * static_cast<double>(layout_.used_columns))
-    throw InputError(lines_.place(),
-                     "the row has " + std::to_string(written) + " numbers for " +
-                         std::to_string(layout_.used_columns) +
-                         " columns and no decimal point: it seems to be written with a decimal "
-                         "comma; save the file with decimal points");
+    throw InputError(lines_.place(), "the row has " + std::to_string(written) + " numbers for " +
+                                         std::to_string(layout_.used_columns) +
+                                         " columns and no decimal point: it seems to be written with a "
+                                         "decimal comma; save the file with decimal points");
 }
 
 void ColumnRows::read_only(const std::vector<std::size_t>& assets) {

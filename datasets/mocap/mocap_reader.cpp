@@ -49,11 +49,10 @@ bool is_numbers_only(std::string_view line) {
     throw InputError(place, "the cells are separated by semicolons; save the file with commas");
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     throw InputError(place, "the text is UTF-16; save the file as UTF-8");
-  throw InputError(
-      place,
-      "this is not a motion capture file that can be read; known are Motive's CSV, which begins with "
-      "\"Format "
-      "Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\") and TRC (\"PathFileType\")");
+  throw InputError(place,
+                   "this is not a motion capture file that can be read; known are Motive's CSV, which begins "
+                   "with \"Format Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\") and "
+                   "TRC (\"PathFileType\")");
 }
 
 // By its first two bytes: the block of the parameters, and a key.

@@ -46,10 +46,11 @@ PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& resu
     if (!speaks_of_the_paper(head)) continue;
     const auto [found, is_new] = known.emplace(head.study, folder);
     if (!is_new)
-      throw InputError(folder.string(),
-                       fmt::format("holds results of the study \"{}\", as {} does; the paper's claims are "
-                                   "judged by one of them",
-                                   head.study, found->second.string()));
+      throw InputError(
+          folder.string(),
+          fmt::format(
+              "holds results of the study \"{}\", as {} does; the paper's claims are judged by one of them",
+              head.study, found->second.string()));
     evidence.any_simulated |= head.simulated;
     evidence.is_of_the_paper |= head.study == "table3" || head.study == "table2";
     evidence.claims.insert(evidence.claims.end(), head.claims.begin(), head.claims.end());

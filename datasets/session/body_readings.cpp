@@ -60,8 +60,8 @@ std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
   }
   if (all == 0) return std::nullopt;
   return fmt::format(
-      "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as "
-      "not seen; are positions in metres?",
+      "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as not seen; are "
+      "positions in metres?",
       all, kNearestJoint_m, kFarthestJoint_m, fmt::join(joints, ", "));
 }
 

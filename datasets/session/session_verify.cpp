@@ -138,12 +138,11 @@ struct BodyCounts {
     if (const auto text = out_of_reach_text(out_of_reach))
       place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
     if (identities.jumps() > 0)
-      place.say(
-          Severity::warning, "/bodies/tracking_id",
-          fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; from "
-                      "there it counts as another body",
-                      identities.jumps()),
-          kPersons);
+      place.say(Severity::warning, "/bodies/tracking_id",
+                fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; "
+                            "from there it counts as another body",
+                            identities.jumps()),
+                kPersons);
     if (odd_states > 0)
       place.say(Severity::error, "/bodies/tracking_state",
                 fmt::format("{} states are none of 0, 1, 2", odd_states), kPositions);

@@ -55,10 +55,9 @@ Figure wand_figure(const CalibrationSummary& s) {
   figure.title = "Error of a wand position's distance, by distance and angle (simulated)";
   figure.caption = fmt::format(
       "Simulated: error of the distance from the sensor to one wand position, the mean of {} frames, {} "
-      "units "
-      "with {} samples each, every unit's constant depth offset included. Points are medians over {:g} m of "
-      "distance; lines are ranges of the angle from the central line. The paper claims {:g} +- {:g} cm from "
-      "{:g} to {:g} m (shaded) below {:g} degrees, and more error outside. {}",
+      "units with {} samples each, every unit's constant depth offset included. Points are medians over {:g} "
+      "m of distance; lines are ranges of the angle from the central line. The paper claims {:g} +- {:g} cm "
+      "from {:g} to {:g} m (shaded) below {:g} degrees, and more error outside. {}",
       s.frames, s.units, s.samples, kDistanceBin_m, paper.recommended_mean_cm, paper.recommended_spread_cm,
       paper.recommended_m[0], paper.recommended_m[1], paper.recommended_below_deg, kMissing);
   figure.x_label = "distance from the sensor (m)";

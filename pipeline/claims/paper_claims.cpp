@@ -19,8 +19,7 @@ constexpr const char* kCompensated = "nonlinear, occlusion corrected";
 constexpr const char* kClocks = "corrected, causal";
 constexpr const char* kQueueMargin =
     "17,997 of 18,000: what the paper loses without the seven frames that it calls slow; processing times "
-    "are not "
-    "in ours";
+    "are not in ours";
 
 Measurements joined(Measurements first, Measurements second) {
   for (Measurement& more : second) first.push_back(std::move(more));
@@ -34,16 +33,14 @@ Measurements against_nonlinear(const Errors& e, const std::string& of) {
 const std::array kClaims{
     PaperClaim{"combining_by_mean", "Introduction",
                "Several Kinects are more accurate than one: their plain mean, against one at random and "
-               "against the best "
-               "(chosen on other participants)",
+               "against the best (chosen on other participants)",
                "no number", ClaimKind::tested, "table3", more_than(1), kLastDigit3,
                +[](const Errors& e) {
                  return joined(e.difference({"single", "mean"}), e.difference({"best of single", "mean"}));
                }},
     PaperClaim{"combining_by_trilateration", "Introduction",
                "Several Kinects are more accurate than one: nonlinear trilateration, against one at random "
-               "and against "
-               "the best (chosen on other participants)",
+               "and against the best (chosen on other participants)",
                "no number", ClaimKind::tested, "table3", more_than(1), kLastDigit3,
                +[](const Errors& e) { return against_nonlinear(e, "single"); }},
     PaperClaim{"better_than_linear", "Table III",
@@ -59,12 +56,11 @@ const std::array kClaims{
                +[](const Errors& e) {
                  return e.difference({"geometric", "nonlinear"});
                }},
-    PaperClaim{
-        "better_than_every_triple", "Table III",
-        "The same whichever three sensors geometric uses: their mean, and the best triple (chosen on other "
-        "participants)",
-        "one triple, not named", ClaimKind::tested, "table3", more_than(1), kLastDigit3,
-        +[](const Errors& e) { return against_nonlinear(e, "geometric, each three"); }},
+    PaperClaim{"better_than_every_triple", "Table III",
+               "The same whichever three sensors geometric uses: their mean, and the best triple (chosen on "
+               "other participants)",
+               "one triple, not named", ClaimKind::tested, "table3", more_than(1), kLastDigit3,
+               +[](const Errors& e) { return against_nonlinear(e, "geometric, each three"); }},
     PaperClaim{"head_similar", "Table III", "At the head the three methods are about the same",
                "5.3, 5.5, 5.3 cm", ClaimKind::tested, "table3", within(10), kSimilar,
                +[](const Errors& e) {
@@ -90,14 +86,12 @@ const std::array kClaims{
                }},
     PaperClaim{"abrupt_joints_worse", "Accuracy",
                "Abrupt changes of velocity cause errors: a joint errs more in the half of its samples with "
-               "the larger "
-               "acceleration (of nonlinear)",
+               "the larger acceleration (of nonlinear)",
                "no number", ClaimKind::tested, "table3", more_than(1), kLastDigit3,
                +[](const Errors& e) { return e.abrupt("nonlinear"); }},
     PaperClaim{"three_sensors", "Accuracy",
                "Geometric is worst because it uses three sensors: nonlinear loses by it too, and on the same "
-               "three the "
-               "two are about the same",
+               "three the two are about the same",
                "no number", ClaimKind::tested, "table3", more_than(1),
                "the last printed digit of Table III; about the same: as at the head",
                +[](const Errors& e) {
@@ -141,8 +135,7 @@ const std::array kClaims{
                }},
     PaperClaim{"wrist_deviation", "Accuracy, figure of trajectories",
                "The right wrist's height deviates by 5 cm at most, in extreme positions, and by less than 1 "
-               "cm elsewhere "
-               "(of nonlinear; the figure is of one person)",
+               "cm elsewhere (of nonlinear; the figure is of one person)",
                "5 cm; 1 cm", ClaimKind::tested, "table3", std::nullopt,
                "as printed; by less than 1 cm elsewhere: in the mean",
                +[](const Errors& e) { return e.wrist_deviation("nonlinear"); }},
@@ -200,8 +193,7 @@ const std::array kClaims{
                "7.3 cm in 10 us against 6.6 cm in 783 us and 17.2 cm in less than 0.1 us", ClaimKind::listed,
                "table1_search", more_than(50),
                "of the readings whose errors all lie within a factor of 2 of the printed ones, with nine "
-               "trials in ten "
-               "answered; more steps: twice as many; less accurate: by a tenth",
+               "trials in ten answered; more steps: twice as many; less accurate: by a tenth",
                +[](const SweepSummary& s) { return acceptable_readings(s); }},
     PaperClaim{"percentages",
                "abstract, Table III",
@@ -247,8 +239,7 @@ const std::array kClaims{
                "",
                std::nullopt,
                "a Kinect v2 gives no depth there, and neither does the simulated one: what the real one "
-               "gives would have "
-               "to be recorded",
+               "gives would have to be recorded",
                {}}};
 
 const std::array kEffects{

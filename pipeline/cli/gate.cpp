@@ -22,7 +22,6 @@ struct GateArguments {
   std::filesystem::path results, baseline;
   std::filesystem::path history, junit;  // or empty
   double smallest_percent = 1.0;
-  std::string method;                        // whose cells are listed instead of the verdict
   std::optional<std::string> accept_reason;  // the results become the baseline
   bool force = false;                        // may replace what others wrote
   bool json = false;
@@ -116,7 +115,7 @@ int compare(const GateArguments& arguments, const std::string& time) {
   if (arguments.json)
     fmt::print("{}\n", json_text(gate_json(report), 1));
   else
-    fmt::print("{}", arguments.method.empty() ? morning_text(report) : cell_table(report, arguments.method));
+    fmt::print("{}", morning_text(report));
   return exit_code_of(verdict);
 }
 
@@ -150,17 +149,14 @@ void add_gate(CLI::App& app, int& code) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb.add_option("--junit", a.junit, "also write the verdict as JUnit XML to this file");
-  verb.add_option("--method", a.method, "list every cell of this method that is not identical");
   verb.add_option("--accept", a.accept_reason,
                   "make these results the baseline, for the reason given, and compare nothing");
   add_force(verb, a.force);
   add_json(verb, a.json);
   verb.footer(
       "Of the same recordings an alarm is a mean error that grew by more than the smallest effect and 0.1 "
-      "mm, "
-      "answers that fell by more than 0.5 %, or a take that lost a tenth of them. Other recordings are "
-      "judged "
-      "by Student's t between eight participants or more.\n\n"
+      "mm, answers that fell by more than 0.5 %, or a take that lost a tenth of them. Other recordings are "
+      "judged by Student's t between eight participants or more.\n\n"
       "Exit codes: 0 quiet; 1 something is worse; 2 cannot be compared, with the place; 3 not judged: other "
       "recordings of too few participants to tell a change from chance.");
 }

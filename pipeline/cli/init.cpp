@@ -180,13 +180,11 @@ Found look_around(const InitArguments& arguments) {
     Take& take = takes.at(session).take;
     take.calibration = nearest_file("calibration.json", session.parent_path(), arguments.folder);
     if (take.calibration.empty())
-      throw InputError(
-          session.string(),
-          fmt::format(
-              "has no calibration.json in its folder or above; `trilat calibrate {} --method bodies "
-              "-o {}` makes one from a walk for all recordings of this rig, docs/how-to/calibrate.md has "
-              "better ones",
-              session.string(), (arguments.folder / "calibration.json").string()));
+      throw InputError(session.string(),
+                       fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} "
+                                   "--method bodies -o {}` makes one from a walk for all recordings of this "
+                                   "rig, docs/how-to/calibrate.md has better ones",
+                                   session.string(), (arguments.folder / "calibration.json").string()));
     take.mocap = mocap_beside(session, sessions, found);
     take.joints = joints_beside(take, sessions);
     if (!take.joints.empty()) {
@@ -194,8 +192,7 @@ Found look_around(const InitArguments& arguments) {
       for (const BroughtJoints& joints : take.joints) names += (names.empty() ? "" : ", ") + joints.method;
       found.notes.push_back(
           fmt::format("{}: beside it lie joints of {}, which are compared, too: seconds since the "
-                      "recording's start, in the "
-                      "calibration's world",
+                      "recording's start, in the calibration's world",
                       session.string(), names));
     }
     if (!take.mocap.empty()) {
@@ -209,8 +206,7 @@ Found look_around(const InitArguments& arguments) {
   if (std::ranges::count_if(sessions, in_top) > 1)
     found.notes.push_back(
         fmt::format("{}: its recordings lie in one folder, so each is taken for another participant, called "
-                    "as the file is; "
-                    "if one person made several, give each participant a folder",
+                    "as the file is; if one person made several, give each participant a folder",
                     arguments.folder.string()));
   return found;
 }
@@ -349,8 +345,8 @@ int init(const InitArguments& given) {
                                   : fmt::format("; {} {}", take.mocap.filename().string(), start));
   if (!found.mapping.joints.empty()) {
     fmt::print(
-        "mapping.json: {} joints by the names of the first export; look at it: a bone gives its upper "
-        "joint, a marker lies on the skin\n",
+        "mapping.json: {} joints by the names of the first export; look at it: a bone gives its upper joint, "
+        "a marker lies on the skin\n",
         found.mapping.joints.size());
   }
   if (std::ranges::any_of(found.takes, [](const FoundTake& f) { return !f.start.empty(); }))

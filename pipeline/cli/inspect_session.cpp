@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // `trilat info`, `trilat verify` and `trilat recover`.
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <map>
 #include <set>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -41,7 +39,6 @@ struct VerifyArguments {
 
 struct InfoArguments {
   std::filesystem::path file;
-  bool follow = false;
   bool json = false;
 };
 
@@ -129,51 +126,6 @@ std::filesystem::path found_session(const std::filesystem::path& path) {
   return unfinished ? partial_name(path) : path;
 }
 
-// A recording that has only just begun cannot be opened yet, and one that ends changes its name meanwhile.
-SessionReader patiently_opened(const std::filesystem::path& path) {
-  for (int tries = 0; tries < 50 && !stop_requested(); ++tries) {
-    try {
-      return SessionReader(found_session(path));
-    } catch (const InputError&) {
-      if (!std::filesystem::exists(found_session(path))) throw;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  return SessionReader(found_session(path));
-}
-
-// A line whenever something has been added, until the recording is finished or somebody has seen enough.
-int follow(const std::filesystem::path& path) {
-  end_in_order();
-  constexpr int kPatience_s = 10;
-  std::uint64_t seen = 0;
-  int unchanged_s = 0;
-  while (!stop_requested()) {
-    const SessionReader session = patiently_opened(path);
-    std::string line;
-    std::uint64_t total = 0;
-    for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
-      const SensorCounts& counts = session.counts(s);
-      line += fmt::format("  {} {} bodies {} depth", session.header().sensors[s].name, counts.body_frames,
-                          counts.depth_frames);
-      total += counts.body_frames + counts.depth_frames;
-    }
-    if (total > seen || session.complete())
-      fmt::print("{}{}\n", session.complete() ? "complete" : "recording", line);
-    std::fflush(stdout);
-    if (session.complete()) break;
-    unchanged_s = total > seen ? 0 : unchanged_s + 1;
-    if (unchanged_s == kPatience_s)
-      fmt::print(stderr,
-                 "nothing has been added for {} s; if its recorder is no longer running, `trilat recover` "
-                 "makes the session whole\n",
-                 kPatience_s);
-    seen = total;
-    std::this_thread::sleep_for(std::chrono::seconds(1));
-  }
-  return kDone;
-}
-
 // By its name, or by what every HDF5 file begins with.
 bool may_be_session(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path) || path.extension() == ".h5" || path.extension() == ".partial")
@@ -184,7 +136,6 @@ bool may_be_session(const std::filesystem::path& path) {
 }
 
 int info(const InfoArguments& arguments) {
-  if (arguments.follow) return follow(arguments.file);
   if (!may_be_session(arguments.file)) return info_of_mocap(arguments.file, arguments.json);
   const SessionReader session(found_session(arguments.file));
   Json sensors = Json::array();
@@ -353,9 +304,7 @@ void add_info(CLI::App& app, int& code) {
       Ends::at_once);
   verb.add_option("file", a.file, "session.h5, or a CSV of Motive, Arena or Tracking Tools, or a TRC")
       ->required();
-  auto* follow = verb.add_flag("--follow", a.follow, "a line a second while a session is being recorded");
   add_json(verb, a.json);
-  verb.get_option("--json")->excludes(follow);
 }
 
 void add_verify(CLI::App& app, int& code) {

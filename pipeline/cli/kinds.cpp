@@ -105,8 +105,7 @@ const std::vector<Kind>& kinds() {
        print_stored, recording_schema},
       {StudyKind::variations, "campaigns",
        "a study of variations simulates its own campaigns; say in the study, as \"simulation\", what they "
-       "have in "
-       "common",
+       "have in common",
        open_variations, print_variations, variations_schema}};
   return kinds;
 }

@@ -246,10 +246,9 @@ void add_reproduce(CLI::App& app, int& code) {
       "everything: a simulated campaign after the paper, its studies, and the tables beside the paper's",
       reproduce);
   verb.add_option("-o,--output", a.output, "folder of everything that is made")->capture_default_str();
-  verb.add_option(
-          "--scale", a.scale,
-          "demo: a first page in seconds; quick: a look in a minute; paper: its 16 participants for Tables "
-          "II and III, calibration and ranges in small; full: all as the studies say")
+  verb.add_option("--scale", a.scale,
+                  "demo: a first page in seconds; quick: a look in a minute; paper: its 16 participants for "
+                  "Tables II and III, calibration and ranges in small; full: all as the studies say")
       ->check(CLI::IsMember(kScales))
       ->capture_default_str();
   verb.add_option("--seed", a.seed, "of every random number")->capture_default_str();

@@ -98,19 +98,25 @@ GateFinding finding_of(const CellName& cell, FindingKind kind, Direction directi
   return finding;
 }
 
-void add_accuracy(const ComparedCell& cell, const GateLimits& limits, GateReport& report) {
-  if (is_same(cell.before_m, cell.now_m)) return;
-  const bool counts = is_change(cell.now_m, cell.before_m, limits);
-  const Direction direction = !counts                      ? Direction::changed
-                              : cell.now_m > cell.before_m ? Direction::worse
-                                                           : Direction::better;
-  GateFinding finding = finding_of(cell, FindingKind::accuracy, direction, direction == Direction::worse);
+// The change of a mean error, whose direction and alarm are the caller's.
+GateFinding accuracy_finding(const CellName& cell, double before_m, double now_m) {
+  GateFinding finding = finding_of(cell, FindingKind::accuracy, Direction::changed, false);
   finding.what = "mean absolute error";
   finding.unit = "m";
-  finding.before = cell.before_m;
-  finding.now = cell.now_m;
-  finding.percent = cell.percent;
-  report.findings.push_back(std::move(finding));
+  finding.before = before_m;
+  finding.now = now_m;
+  finding.percent = percent_of(now_m, before_m);
+  return finding;
+}
+
+void add_accuracy(const CellName& cell, double before_m, double now_m, const GateLimits& limits,
+                  GateReport& report) {
+  ++report.looked_at;
+  if (is_same(before_m, now_m)) return;
+  GateFinding& finding = report.findings.emplace_back(accuracy_finding(cell, before_m, now_m));
+  if (!is_change(now_m, before_m, limits)) return;
+  finding.direction = now_m > before_m ? Direction::worse : Direction::better;
+  finding.alarm = finding.direction == Direction::worse;
 }
 
 // The take that lost the largest share of its answers; nothing when none lost enough.
@@ -282,24 +288,13 @@ class Comparison {
     }
   }
 
-  GateReport finish(const PairedSet& set) {
+  GateReport finish() {
     judge_chances(limits_, report_);
     sort_findings(report_.findings);
-    for (GateFinding& f : report_.findings) f.command = command_of(set, f);
     return std::move(report_);
   }
 
  private:
-  static std::string command_of(const PairedSet& set, const GateFinding& f) {
-    for (const ResultsPair& pair : set.pairs) {
-      if (pair.now.name != f.study) continue;
-      const std::string command = "trilat gate " + shell_word(pair.now.folder.string()) + " --baseline " +
-                                  shell_word(pair.before.folder.string());
-      return command + (f.method.empty() ? " --json" : " --method " + shell_word(f.method));
-    }
-    return "";
-  }
-
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {
     const ResultsSummary now = read_summary(pair.now.folder), before = read_summary(pair.before.folder);
     compare_failures(pair.now.name, before, now, report_);
@@ -345,8 +340,8 @@ class Comparison {
     const double found_percent = compare_people(study, before, now, limits_, report_);
     if (std::isfinite(found_percent))
       add_note(
-          fmt::format("judged between {} participants: a method's average that is {:.0f} % worse would "
-                      "be found in 95 of 100 nights",
+          fmt::format("judged between {} participants: a method's average that is {:.0f} % worse would be "
+                      "found in 95 of 100 nights",
                       participants, std::ceil(found_percent)));
   }
 
@@ -376,37 +371,22 @@ void compare_takes(const std::string& study, const ResultsSummary& before, const
   const SameTakes both(before, now, same);
   struct Average {
     double before_m = 0.0, now_m = 0.0, groups = 0.0;
-    BothSums sums;
   };
   std::map<std::pair<std::string, std::string>, Average> averages;  // by condition and method
-  const auto compare_cell = [&](const SameTakes::CellKey& key, double before_m, double now_m,
-                                const BothSums& sums) {
-    ++report.looked_at;
-    ComparedCell cell;
-    static_cast<CellName&>(cell) = {study, key.method, key.condition, key.group};
-    cell.before_m = before_m;
-    cell.now_m = now_m;
-    cell.percent = percent_of(now_m, before_m);
-    cell.answered_before = sums.answered_before;
-    cell.answered_now = sums.answered_now;
-    add_accuracy(cell, limits, report);
-    if (!is_same(before_m, now_m) || sums.answered_before != sums.answered_now) report.cells.push_back(cell);
-  };
   for (const SameTakes::CellKey& key : both.order()) {
     const BothSums& sums = both.cell(key);
-    compare_cell(key, sums.before_m(), sums.now_m(), sums);
-    add_coverage({study, key.method, key.condition, key.group}, sums, both.takes(key), limits, report);
+    const CellName cell{study, key.method, key.condition, key.group};
+    add_accuracy(cell, sums.before_m(), sums.now_m(), limits, report);
+    add_coverage(cell, sums, both.takes(key), limits, report);
     Average& average = averages[{key.condition, key.method}];
     average.before_m += sums.before_m();
     average.now_m += sums.now_m();
     average.groups += 1.0;
-    average.sums.answered_before += sums.answered_before;
-    average.sums.answered_now += sums.answered_now;
   }
   for (const auto& [key, average] : averages)
     if (average.groups > 1.0)
-      compare_cell({key.first, key.second, kAverageGroup}, average.before_m / average.groups,
-                   average.now_m / average.groups, average.sums);
+      add_accuracy({study, key.second, key.first, kAverageGroup}, average.before_m / average.groups,
+                   average.now_m / average.groups, limits, report);
 }
 
 double compare_people(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
@@ -419,28 +399,16 @@ double compare_people(const std::string& study, const ResultsSummary& before, co
   for (const ErrorChange& row : changes->rows) {
     ++report.looked_at;
     if (is_same(row.before_m, row.after_m) || !std::isfinite(row.difference_m)) continue;
-    ComparedCell cell;
-    static_cast<CellName&>(cell) = {study, row.method, row.condition, row.group};
-    cell.before_m = row.before_m;
-    cell.now_m = row.after_m;
-    cell.percent = percent_of(row.after_m, row.before_m);
-    cell.low = 100.0 * row.low_m / row.before_m;
-    cell.high = 100.0 * row.high_m / row.before_m;
-    report.cells.push_back(cell);
     if (row.clusters < 2) continue;
     const std::size_t degrees = row.clusters - 1;
     const double reach = student_quantile(degrees, level) + student_quantile(degrees, 2.0 * (1.0 - kPower));
     if (row.group == kAverageGroup)
       found_percent.push_back(100.0 * reach * row.standard_error_m / row.before_m);
-    GateFinding finding = finding_of(cell, FindingKind::accuracy,
-                                     row.difference_m > 0.0 ? Direction::worse : Direction::better, false);
-    finding.what = "mean absolute error";
-    finding.unit = "m";
-    finding.before = row.before_m;
-    finding.now = row.after_m;
-    finding.percent = cell.percent;
-    finding.low = cell.low;
-    finding.high = cell.high;
+    GateFinding finding =
+        accuracy_finding({study, row.method, row.condition, row.group}, row.before_m, row.after_m);
+    finding.direction = row.difference_m > 0.0 ? Direction::worse : Direction::better;
+    finding.low = 100.0 * row.low_m / row.before_m;
+    finding.high = 100.0 * row.high_m / row.before_m;
     finding.chance = row.chance;
     finding.clusters = row.clusters;
     report.findings.push_back(std::move(finding));
@@ -516,7 +484,7 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
   Comparison comparison(limits);
   for (const ResultsPair& pair : set.pairs) comparison.compare(pair);
   comparison.add_one_sided(set, all_expected);
-  GateReport report = comparison.finish(set);
+  GateReport report = comparison.finish();
   report.results = results.string();
   report.baseline = baseline.string();
   report.smallest_percent = limits.smallest_percent;

@@ -22,7 +22,7 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
 inline constexpr std::size_t kFewestJudged = 8;
 
 // Compares the errors of two accuracy results by take; `same`: the ids of the takes whose recordings are the
-// same. Adds cells and findings to the report.
+// same. Adds findings to the report.
 void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
                    const std::vector<std::string>& same, const GateLimits& limits, GateReport& report);
 

@@ -87,9 +87,8 @@ void add_list(const GateReport& report, bool alarms, std::string& text) {
     for (std::size_t i = 0; i < std::min(lists[l].size(), kMostPlaces); ++i)
       text += fmt::format("  {}\n", line_of(*lists[l][i]));
     if (lists[l].size() > kMostPlaces)
-      text += fmt::format("  and {} places more\n", lists[l].size() - kMostPlaces);
+      text += fmt::format("  and {} places more: --json\n", lists[l].size() - kMostPlaces);
     if (!first.since.empty()) text += fmt::format("  since {}\n", first.since);
-    if (!first.command.empty()) text += fmt::format("  see: {}\n", first.command);
   }
   if (lists.size() > kMostMethods)
     text += fmt::format("\nand {} more; --json lists all\n", lists.size() - kMostMethods);
@@ -134,6 +133,15 @@ std::string headline_of(const GateReport& report) {
       break;
   }
   return "REGRESSION: " + worst_text(report) + (not_judged.empty() ? "" : "; not judged: " + not_judged);
+}
+
+// Text that a shell takes as one word: as it is when that is plain, else in single quotes.
+std::string shell_word(const std::string& text) {
+  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
 }
 
 // Text as XML: markup escaped, what XML 1.0 cannot hold replaced, bytes that are not UTF-8 too.
@@ -257,27 +265,6 @@ std::string morning_text(const GateReport& report) {
   return text;
 }
 
-std::string cell_table(const GateReport& report, const std::string& method) {
-  std::string text =
-      fmt::format("{:<20} {:<22} {:<10} {:>9} {:>9} {:>8} {:>18} {:>15}\n", "study", "condition", "group",
-                  "before cm", "now cm", "change %", "95 % interval", "answered");
-  bool any = false;
-  for (const ComparedCell& c : report.cells) {
-    if (c.method != method) continue;
-    any = true;
-    const auto number = [](const char* how, double x) {
-      return std::isnan(x) ? "-" : fmt::format(fmt::runtime(how), x);
-    };
-    const bool is_counted = c.answered_before + c.answered_now > 0;
-    text += fmt::format("{:<20} {:<22} {:<10} {:>9} {:>9} {:>8} {:>18} {:>15}\n", c.study, c.condition,
-                        c.group, number("{:.3f}", 100.0 * c.before_m), number("{:.3f}", 100.0 * c.now_m),
-                        number("{:+.2f}", c.percent),
-                        std::isnan(c.low) ? "-" : fmt::format("{:+.2f} to {:+.2f}", c.low, c.high),
-                        is_counted ? fmt::format("{} -> {}", c.answered_before, c.answered_now) : "-");
-  }
-  return any ? text : fmt::format("no cell of the method \"{}\" differs from the baseline\n", method);
-}
-
 Json gate_json(const GateReport& report) {
   return {{"format", "trilat.gate"},
           {"version", 2},
@@ -292,7 +279,6 @@ Json gate_json(const GateReport& report) {
           {"looked_at", report.looked_at},
           {"studies", json_of(report.studies)},
           {"findings", json_of(report.findings)},
-          {"cells", json_of(report.cells)},
           {"notes", report.notes}};
 }
 
@@ -333,14 +319,6 @@ std::string gate_junit(const GateReport& report) {
         "      <failure type=\"worse\" message=\"{}\"/>\n    </testcase>\n",
         xml(others));
   return suite_of(tests, failures, 0, skipped, report.time, cases);
-}
-
-std::string shell_word(const std::string& text) {
-  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
 }
 
 }  // namespace trilat

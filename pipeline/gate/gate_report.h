@@ -50,7 +50,6 @@ struct GateFinding : CellName {
   std::uint64_t clusters = 0;  // participants behind the interval
   std::string note;            // a sentence more: exact counts, which take
   std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
-  std::string command;
 
   static void fields(auto& self, auto&& field) {
     field("kind", name_of(self.kind));
@@ -59,22 +58,7 @@ struct GateFinding : CellName {
     field("change_percent", self.percent);
     field("change_low_percent", self.low);
     field("change_high_percent", self.high);
-    TRILAT_EACH(chance, clusters, note, since, command)
-  }
-};
-
-// One cell that was compared and is not identical, whether or not it is a finding.
-struct ComparedCell : CellName {
-  double before_m = kNoNumber, now_m = kNoNumber, percent = kNoNumber;
-  double low = kNoNumber, high = kNoNumber;  // percent, of other recordings
-  std::uint64_t answered_before = 0, answered_now = 0;
-
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(study, method, condition, group, before_m, now_m)
-    field("change_percent", self.percent);
-    field("change_low_percent", self.low);
-    field("change_high_percent", self.high);
-    TRILAT_EACH(answered_before, answered_now)
+    TRILAT_EACH(chance, clusters, note, since)
   }
 };
 
@@ -113,7 +97,6 @@ struct GateReport {
   std::string baseline_time, baseline_reason;  // when and why it was accepted; empty when not known
   double smallest_percent = 0.0;
   std::vector<StudyVerdict> studies;
-  std::vector<ComparedCell> cells;    // that are not identical
   std::vector<GateFinding> findings;  // alarms first, the largest first
   std::uint64_t looked_at = 0;        // cells and numbers that were compared
   std::vector<std::string> notes;
@@ -125,9 +108,6 @@ struct GateReport {
 // alarm in a few lines, then what is better or to be known. Ends with a newline.
 std::string morning_text(const GateReport& report);
 
-// Every compared cell of the methods whose name is `method`, as a plain table.
-std::string cell_table(const GateReport& report, const std::string& method);
-
 Json gate_json(const GateReport& report);
 
 // "2 participants in table3": what was not judged and why; empty when all was.
@@ -138,8 +118,5 @@ std::string not_judged_text(const GateReport& report);
 std::string gate_junit(const GateReport& report);
 // JUnit of a gate that failed: one test case that is an error, with the message.
 std::string gate_junit_of_error(const std::string& time, const std::string& message);
-
-// Text that a shell takes as one word: as it is when that is plain, else in single quotes.
-std::string shell_word(const std::string& text);
 
 }  // namespace trilat

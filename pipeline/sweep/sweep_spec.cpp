@@ -239,10 +239,9 @@ void check_search(const JsonObject& object, const SweepSpec& spec) {
     same = spec.ranges[i].low_m == printed.ranges_cm[i][0] * kMetresPerCentimetre &&
            spec.ranges[i].high_m == printed.ranges_cm[i][1] * kMetresPerCentimetre;
   if (!same)
-    object.refuse(
-        "search",
-        "compares with the printed Table I, so thresholds and error_ranges_cm must be its own; leave "
-        "them out");
+    object.refuse("search",
+                  "compares with the printed Table I, so thresholds and error_ranges_cm must be its own; "
+                  "leave them out");
 }
 
 }  // namespace

@@ -58,10 +58,9 @@ Table table_of_readings(const SweepSummary& s, const std::optional<SweepTimings>
   };
   Table table = table_of<Place>(
       usable_id("table1-" + s.interpretations[*readings.printed].rig),
-      fmt::format(
-          "Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; {} "
-          "trials a cell, seed {})",
-          readings.name, s.trials, s.seed),
+      fmt::format("Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; "
+                  "{} trials a cell, seed {})",
+                  readings.name, s.trials, s.seed),
       rows,
       {{"range (cm)", "range_cm", as_text([&](const Place& p) {
           return fmt::format("{:g}-{:g}", paper.ranges_cm[p.range][0], paper.ranges_cm[p.range][1]);

@@ -159,14 +159,12 @@ Table shares_table(const VariationsSummary& s) {
   table.first_rows = s.comparisons.size();
   table.notes = {
       "Each campaign is one independent point of the ranges, with persons of its own. Intervals are of 95 %: "
-      "of "
-      "shares Clopper and Pearson's, of the mean difference Student's t between points.",
+      "of shares Clopper and Pearson's, of the mean difference Student's t between points.",
       "The difference is the error of the first method over that of the others, on the samples that both "
-      "answer, "
-      "the largest of these ratios, less the margin; below 0 the comparison holds. Its mean is geometric.",
+      "answer, the largest of these ratios, less the margin; below 0 the comparison holds. Its mean is "
+      "geometric.",
       "Decided by: the ranges that explain by themselves a share of how the logarithm of the ratio varies "
-      "which is "
-      "surely above zero (first-order index, 95 % interval by a jackknife over the points)."};
+      "which is surely above zero (first-order index, 95 % interval by a jackknife over the points)."};
   return table;
 }
 
@@ -255,8 +253,8 @@ Table patches_table(const VariationsSummary& s) {
                                         : no_cell());
   }
   table.notes = {
-      fmt::format("Change: against \"{}\", paired by participant: all variations are of the same persons "
-                  "and movements. Intervals are of 95 %, by Student's t between participants.",
+      fmt::format("Change: against \"{}\", paired by participant: all variations are of the same persons and "
+                  "movements. Intervals are of 95 %, by Student's t between participants.",
                   first.name),
       "Errors are the mean of the joint groups; answered: of the method that answers least."};
   return table;

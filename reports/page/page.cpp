@@ -55,11 +55,9 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
     left_out = "<p class=\"soft\">Left out, to keep the page small: " + html_text(left_out) + ".</p>\n";
   section.html = fmt::format(
       "<p>The first take of each condition, at most 35&nbsp;s of it{}: what every sensor’s body tracker "
-      "gave, "
-      "one method’s estimate, and the truth, before any alignment.</p>\n{}<div class=\"replay\" "
+      "gave, one method’s estimate, and the truth, before any alignment.</p>\n{}<div class=\"replay\" "
       "id=\"replay-view\"><p class=\"soft\">The replay needs a browser with JavaScript and "
-      "WebGL.</p></div>\n{}<script type=\"text/plain\" "
-      "id=\"three-js\">{}</script>\n<script>\n{}</script>\n",
+      "WebGL.</p></div>\n{}<script type=\"text/plain\" id=\"three-js\">{}</script>\n<script>\n{}</script>\n",
       simulated ? ", <strong>simulated</strong>" : "", left_out, data, base64_of(deflated(three_js)),
       embedded::replay_js);
   return section;
@@ -106,8 +104,7 @@ std::string lead_html(const ReportContent& content) {
 
 std::string citation_html(const std::string& citation) {
   return "<p>Every table is a CSV and a LaTeX file of its own, every figure an SVG, a PDF and a CSV; their "
-         "names "
-         "stand under them.</p>\n<pre>" +
+         "names stand under them.</p>\n<pre>" +
          html_text(citation) + "</pre>\n";
 }
 

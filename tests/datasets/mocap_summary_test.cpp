@@ -174,11 +174,10 @@ TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
 template <class Number>
 std::string take_of(const std::vector<Number>& x_mm, const std::string& type = "Rigid Body",
                     double step_mm = 0.001) {
-  std::string text =
-      "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type," + type + "," + type +
-      "," + type +
-      ",Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,Position,"
-      "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
+  std::string text = "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type," + type +
+                     "," + type + "," + type +
+                     ",Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,"
+                     "Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
   for (std::size_t i = 0; i < x_mm.size(); ++i)
     text += fmt::format("{},{:.2f},{},5,0,{:.3f},5,0\n", i, 0.01 * static_cast<double>(i), x_mm[i],
                         step_mm * static_cast<double>(i));

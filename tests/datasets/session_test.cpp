@@ -274,9 +274,8 @@ TEST(Session, VerifyCountsJointsOutOfReachAndJumpsOfABody) {
     frame.bodies.resize(1);
     return true;
   }));
-  EXPECT_THAT(said,
-              HasSubstr("error 105 joints lie nearer than 0.4 m or farther than 10 m of the sensor (head "
-                        "60, wrist_left 45) and count as not seen"));
+  EXPECT_THAT(said, HasSubstr("error 105 joints lie nearer than 0.4 m or farther than 10 m of the sensor "
+                              "(head 60, wrist_left 45) and count as not seen"));
   EXPECT_THAT(said, HasSubstr("warning 2 times a body moves more than 1 m from one frame to the next"));
 }
 

@@ -107,8 +107,8 @@ TEST(CalibrateVerb, WritesACalibrationThatReadsBack) {
   write_file(folder / "serial1/calib_ir.yaml",
              "%YAML:1.0\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ "
              "365.456, 0., 254.878, 0., 365.456, 205.395, 0., 0., 1. ]\n"
-             "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ "
-             "0.0905, -0.2682, 0., 0., 0.0951 ]\n");
+             "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ 0.0905, "
+             "-0.2682, 0., 0., 0.0951 ]\n");
   const std::string session = folder / "session.h5", output = folder / "calibration.json";
   const Ended text = run_trilat(folder, {"calibrate", session, "-o", output});
   EXPECT_EQ(text.code, 0) << text.err;
@@ -200,8 +200,8 @@ TEST(CalibrateWand, IntrinsicsOfAnotherSensorAreRefused) {
   };
   EXPECT_THAT(
       complaint("k1", folder / "serial2/calib_ir.yaml"),
-      HasSubstr("serial2/calib_ir.yaml: lies in the folder of serial serial2, which is sensor \"k2\", "
-                "not \"k1\""));
+      HasSubstr(
+          "serial2/calib_ir.yaml: lies in the folder of serial serial2, which is sensor \"k2\", not \"k1\""));
   EXPECT_THAT(complaint("k9", folder / "calib_ir.yaml"), HasSubstr("has no sensor \"k9\"; it has k1, k2"));
   EXPECT_THAT(complaint("k1", folder / "absent.yaml"), HasSubstr("absent.yaml"));
 }

@@ -98,7 +98,7 @@ TEST(GateHistory, ErrorsThatGrowSlowlyAreAnAlarmOnceTheyAddUpAndSaySinceWhen) {
   EXPECT_EQ(ended.code, 1) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("  since " + read_history(history).entries.at(3).time + "\n"));
   EXPECT_THAT(ended.out, HasSubstr("history: 4 night(s) since the last accepted change\n"));
-  EXPECT_THAT(ended.out, HasSubstr("see: trilat gate '" + now + "' --baseline "));
+  EXPECT_THAT(ended.out, HasSubstr("this is meant to be: trilat gate '" + now + "' --baseline "));
   EXPECT_THAT(ended.out, HasSubstr("--history " + history + " --accept \"why\""));
 }
 

@@ -55,11 +55,8 @@ TEST(Gate, NamesTheMethodAndJointGroupThatGotWorse) {
   EXPECT_NEAR(alarms[0].percent, 1.9, 1e-9);
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.err;
-  EXPECT_THAT(
-      ended.out,
-      AllOf(testing::StartsWith("REGRESSION: walks, nonlinear, walking, head: larger errors, +1.9 %, 5."),
-            HasSubstr("--method nonlinear")));
-  EXPECT_THAT(nights.gate({"--method", "nonlinear"}).out, HasSubstr("+1.90"));
+  EXPECT_THAT(ended.out,
+              testing::StartsWith("REGRESSION: walks, nonlinear, walking, head: larger errors, +1.9 %, 5."));
 }
 
 TEST(Gate, TheWorstAlarmComesFirst) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `trilat record`, `recover` and `info --follow`, as a user runs them.
+// `trilat record` and `recover`, as a user runs them.
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -178,20 +178,6 @@ TEST(Record, ADisplayThatTakesNothingHoldsUpNobody) {
                               in(folder, "s.h5") + " >/dev/null 2>/dev/full";
   EXPECT_EQ(std::system(command.c_str()), 0);
   EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
-}
-
-TEST(Info, FollowsARecordingToItsEnd) {
-  const ScratchFolder folder;
-  const Process process(
-      folder, {"record", "--source", "synthetic:1,depth=no", "--duration-s", "3", "-o", in(folder, "s.h5")},
-      "record_");
-  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.partial")); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  const Ended followed = run_trilat(folder, {"info", "--follow", in(folder, "s.h5")});
-  EXPECT_EQ(process.wait().code, 0);
-  EXPECT_EQ(followed.code, 0) << followed.err;
-  EXPECT_THAT(followed.out, StartsWith("recording  k1"));
-  EXPECT_THAT(followed.out, HasSubstr("\ncomplete  k1"));
 }
 
 // Two sensors see one person from two sides, one of them 4 cm off: the mean, as the first sees it.

@@ -216,16 +216,15 @@ std::optional<std::string> clock_text(const ClockOffset& found, const BroughtTra
     return "does not move as the truth moves, at any start that was looked at; is it the same take, and the "
            "same person?";
   if (found.status != ClockOffsetStatus::found || std::abs(found.offset_s) < kNoticed_s) return std::nullopt;
-  return fmt::format(
-      "starts {:.3f} s ({:.3f} to {:.3f}) {} than the truth, by the motion. {}", std::abs(found.offset_s),
-      std::min(std::abs(found.low_s), std::abs(found.high_s)),
-      std::max(std::abs(found.low_s), std::abs(found.high_s)), found.offset_s > 0.0 ? "earlier" : "later",
-      brought.joints->clock_by_motion
-          ? std::string("That was applied")
-          : fmt::format(
-                "At the mean speed of {:.2f} m/s that makes errors of {:.0f} cm; mend its times, or say "
-                "\"clock\": \"motion\" beside the file",
-                found.speed_m_s, 100.0 * std::abs(found.offset_s) * found.speed_m_s));
+  return fmt::format("starts {:.3f} s ({:.3f} to {:.3f}) {} than the truth, by the motion. {}",
+                     std::abs(found.offset_s), std::min(std::abs(found.low_s), std::abs(found.high_s)),
+                     std::max(std::abs(found.low_s), std::abs(found.high_s)),
+                     found.offset_s > 0.0 ? "earlier" : "later",
+                     brought.joints->clock_by_motion
+                         ? std::string("That was applied")
+                         : fmt::format("At the mean speed of {:.2f} m/s that makes errors of {:.0f} cm; mend "
+                                       "its times, or say \"clock\": \"motion\" beside the file",
+                                       found.speed_m_s, 100.0 * std::abs(found.offset_s) * found.speed_m_s));
 }
 
 }  // namespace

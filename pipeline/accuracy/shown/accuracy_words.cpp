@@ -25,10 +25,9 @@ std::string about(const ResultsSummary& s, const std::string& condition, const s
 std::string truth_note(const ResultsSummary& s) {
   if (!s.left_out()) return {};
   return "There is no ground truth. Each sensor in turn is left out, and its tracked joints are held against "
-         "what the others say. What all sensors have in common, such "
-         "as a bias of the body model, cannot be seen. The sensor's own error is in every number: compare "
-         "methods by these numbers, and do not quote them as their error. A method has one sensor fewer here "
-         "than the rig.";
+         "what the others say. What all sensors have in common, such as a bias of the body model, cannot be "
+         "seen. The sensor's own error is in every number: compare methods by these numbers, and do not "
+         "quote them as their error. A method has one sensor fewer here than the rig.";
 }
 
 std::string interval_note(const ResultsSummary& s) {
@@ -158,11 +157,11 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
                                    notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
                                    noted->place, noted->text));
   if (s.participants < 6)
-    warnings.push_back(fmt::format(
-        "Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
-        s.participants < 3 ? "intervals are between takes, or between five seconds of a single take, "
-                             "and say nothing of other people"
-                           : "intervals are wide, and hold for people like these alone"));
+    warnings.push_back(
+        fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
+                    s.participants < 3 ? "intervals are between takes, or between five seconds of a single "
+                                         "take, and say nothing of other people"
+                                       : "intervals are wide, and hold for people like these alone"));
   for (const CrossCheck& check : s.cross_checks)
     if (!check.passed())
       warnings.push_back(

@@ -52,10 +52,10 @@ Table agreement_table(const StudyErrors& errors, const std::string& condition, s
                               number_cell(1, a.lower, a.lower_low, a.lower_high),
                               number_cell(1, a.upper, a.upper_low, a.upper_high), number_cell(1, a.sd)});
       }
-  table.notes = {fmt::format(
-      "Estimate minus truth along the world's axes. Limits hold 95 % of single differences (Bland "
-      "and Altman 1999, repeated measurements); repeated are those of {}.",
-      in.clusters())};
+  table.notes = {
+      fmt::format("Estimate minus truth along the world's axes. Limits hold 95 % of single differences "
+                  "(Bland and Altman 1999, repeated measurements); repeated are those of {}.",
+                  in.clusters())};
   return table;
 }
 

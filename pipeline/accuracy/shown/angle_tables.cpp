@@ -136,8 +136,7 @@ Figure angle_figure(const ResultsSummary& s, const std::vector<AngleSums>& sums,
   figure.title = "Agreement of joint angles (Bland and Altman)";
   figure.caption = fmt::format(
       "{} {}: difference from the truth against the mean of both, a dot a take; lines: bias and 95 % limits "
-      "of "
-      "{}.",
+      "of {}.",
       s.simulated ? "Simulated" : "Recorded", condition, s.reference);
   figure.x_label = "mean of estimate and truth (degrees)";
   figure.y_label = "estimate - truth (degrees)";

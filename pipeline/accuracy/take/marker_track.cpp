@@ -77,10 +77,10 @@ std::vector<std::string> oddities_of(const MarkerTrack& track) {
         "of the stated one, and what moves stands still between; export it at the rate of the capture",
         100.0 * share, 100.0 * (1.0 - share)));
   if (const RemovedPoses removed = track.positions().removed; removed.frozen > 0)
-    odd.push_back(fmt::format(
-        "{} poses of rigid bodies or bones repeat the one before to the last digit, though the file "
-        "has finer steps: they were lost, and are not used as measurements",
-        removed.frozen));
+    odd.push_back(
+        fmt::format("{} poses of rigid bodies or bones repeat the one before to the last digit, though the "
+                    "file has finer steps: they were lost, and are not used as measurements",
+                    removed.frozen));
   if (const RemovedPoses removed = track.positions().removed; removed.at_origin > 0)
     odd.push_back(
         fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "

@@ -136,10 +136,9 @@ std::size_t sensor_of(const SessionReader& session, const std::string& name) {
 
 void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const StudySpec& study) {
   if (planned.take.mocap.empty() && planned.truth == TakeTruth::mocap)
-    throw InputError(
-        "take \"" + planned.take.id + '"',
-        "has no \"mocap\" to be judged by; with \"truth\": \"auto\" the study judges such a take by "
-        "its own sensors, with \"left_out_sensor\" every take");
+    throw InputError("take \"" + planned.take.id + '"',
+                     "has no \"mocap\" to be judged by; with \"truth\": \"auto\" the study judges such a "
+                     "take by its own sensors, with \"left_out_sensor\" every take");
   const SessionReader session(planned.take.session);
   planned.simulated = session.header().simulated;
   const bool has_truth = planned.truth == TakeTruth::mocap;

@@ -94,16 +94,15 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
                           "id; from there it counts as another body, and the person is chosen again",
                           seen[s].jumps));
     if (seen[s].not_later > 0)
-      note(s,
-           fmt::format("{} frames have a time that is not after that of the frame before, and are left out: "
-                       "are they there twice, or was the sensor's clock set back?",
-                       seen[s].not_later));
+      note(s, fmt::format("{} frames have a time that is not after that of the frame before, and are left "
+                          "out: are they there twice, or was the sensor's clock set back?",
+                          seen[s].not_later));
     if (const auto step_s = frame_step_s(seen[s]); step_s && *step_s > plan.study.sensor_gap_s)
-      note(s, fmt::format("frames are {:.2f} s apart, and sensor_gap_s is {:g} s, so that nothing is "
-                          "interpolated between them and most instants have no answer; set "
-                          "\"sensor_gap_s\": {:g} in the study",
-                          *step_s, plan.study.sensor_gap_s,
-                          kGapStep_s * std::ceil(kGapsOfFrames * *step_s / kGapStep_s)));
+      note(s, fmt::format(
+                  "frames are {:.2f} s apart, and sensor_gap_s is {:g} s, so that nothing is interpolated "
+                  "between them and most instants have no answer; set \"sensor_gap_s\": {:g} in the study",
+                  *step_s, plan.study.sensor_gap_s,
+                  kGapStep_s * std::ceil(kGapsOfFrames * *step_s / kGapStep_s)));
   }
   std::vector<TakeNote> result;
   for (const auto& [sensors, text] : notes)

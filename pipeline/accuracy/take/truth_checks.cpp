@@ -179,11 +179,10 @@ class TruthChecker {
     add({.what = "mirrored", .unit = "1", .value = share, .limit = kReflectedShare, .beyond = beyond});
     if (!beyond) return false;
     note(planned_.take.mocap,
-         fmt::format(
-             "is mirrored, it seems: turned onto what the sensors see it lies {:.2f} m off, and {:.2f} m "
-             "off when it is mirrored first; export it with right-handed axes (or, if every left joint "
-             "is mapped to the right, mend the mapping)",
-             fit.rms_m, fit.mirrored_rms_m));
+         fmt::format("is mirrored, it seems: turned onto what the sensors see it lies {:.2f} m off, and "
+                     "{:.2f} m off when it is mirrored first; export it with right-handed axes (or, if every "
+                     "left joint is mapped to the right, mend the mapping)",
+                     fit.rms_m, fit.mirrored_rms_m));
     return true;
   }
   // Whether the scale is beyond doubt not 1. Its uncertainty is looked at only where it may matter.
