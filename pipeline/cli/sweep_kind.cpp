@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/results/table.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {
 namespace {
@@ -121,7 +121,8 @@ int print_sweep(const std::filesystem::path& results, Json document, const Shown
     return kDone;
   }
   print_cells(s);
-  for (const std::string& sentence : search_sentences(s)) fmt::print("{}\n", sentence);
+  const StoredTables stored = read_beside<StoredTables>(results).value();
+  for (const std::string& finding : stored.findings) fmt::print("{}\n", finding);
   fmt::print("results: {}\n", results.string());
   return kDone;
 }

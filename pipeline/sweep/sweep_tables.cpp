@@ -162,8 +162,7 @@ std::vector<Table> search_tables(const SweepSummary& s) {
   return tables;
 }
 
-}  // namespace
-
+// A sentence or two a person can take away from the search; empty without one.
 std::vector<std::string> search_sentences(const SweepSummary& s) {
   std::vector<std::string> sentences;
   if (!s.search) return sentences;
@@ -182,6 +181,8 @@ std::vector<std::string> search_sentences(const SweepSummary& s) {
       sentences.push_back(sentence);
   return sentences;
 }
+
+}  // namespace
 
 std::vector<std::size_t> readings_in_full(const SweepSummary& s) {
   constexpr std::size_t kMostReadingsInFull = 12;

@@ -26,7 +26,4 @@ std::vector<std::size_t> readings_in_full(const SweepSummary& summary);
 // Timing of a cell; null when it was not timed.
 const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell);
 
-// A sentence or two a person can take away from the search; empty without one.
-std::vector<std::string> search_sentences(const SweepSummary& summary);
-
 }  // namespace trilat
