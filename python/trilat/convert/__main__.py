@@ -14,7 +14,7 @@ FORMATS = {"azure-kinect": azure_kinect, "c3d": c3d, "keraal": keraal, "kimore":
 def arguments_of(words: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python3 -m trilat.convert", description="Converts other people's recordings to a session.",
-        epilog="What a format does not say is assumed as datasets/FORMATS.md has it, and is written in the session's note. Exit codes: "
+        epilog="What a format does not say is assumed as docs/how-to/other_formats.md has it, and is written in the session's note. Exit codes: "
                "0 done; 1 done, but rows were left out, and it says which; 2 the input cannot be used.")
     formats = parser.add_subparsers(dest="format", required=True, metavar="FORMAT")
     for name, module in FORMATS.items():
