@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/content_hash.h"
@@ -139,6 +141,32 @@ ErrorTable errors_of_take(AccuracyRun& run, std::size_t t, const Outcome& outcom
   return stored_errors(ItemStore(outcome.folder.parent_path().parent_path()), outcome.key, run.errors);
 }
 
+// Makes takes fail whose recording is that of an earlier one: the same data twice, by name of two persons or
+// takes, would look like independent ones, whose intervals are too narrow.
+void leave_out_repeated(const Plan& plan, std::vector<TakeResult>& results) {
+  std::map<std::vector<std::string>, std::string> known;  // what was recorded -> the first take of it
+  for (std::size_t t = 0; t < results.size(); ++t) {
+    TakeResult& result = results[t];
+    const Take& take = plan.takes[t].take;
+    if (!result.evaluated) continue;
+    std::vector<std::string> recorded{take.activity};
+    for (const TakeInput& input : result.inputs)
+      if (input.role == "session" || input.role == "mocap" ||
+          (take.session.empty() && input.role.starts_with("joints")))
+        recorded.push_back(input.sha256);
+    const auto [first, is_new] = known.try_emplace(recorded, take.id);
+    if (is_new) continue;
+    TakeResult repeated;
+    repeated.inputs = std::move(result.inputs);
+    repeated.notes = {within_campaign(
+        {take.id, true, (take.session.empty() ? take.mocap : take.session).string(),
+         fmt::format("is the recording of take {} again{}; it counts once: remove one of both", first->second,
+                     take.mocap.empty() ? "" : ", with the same motion capture")},
+        take, plan.campaign)};
+    result = std::move(repeated);
+  }
+}
+
 void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
   constexpr double kTakesShare = 0.8;  // of the progress
   std::vector<TakeResult> results;
@@ -147,6 +175,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     const Outcome& outcome = *of_take.emplace_back(&outcomes.at(item_of(planned)));
     results.push_back(read_as<TakeResult>(JsonObject(outcome.json, outcome.place(), "")));
   }
+  leave_out_repeated(run.plan, results);
   const Stopwatch time(run.clocks.summarise_ns);
   std::vector<TakeTable> tables(results.size());
   std::atomic<std::size_t> done{0};

@@ -155,6 +155,24 @@ sys.exit(code)
         one, named = (json.loads((self.folder / name / "summary.json").read_text()) for name in ("one", "named"))
         self.assertEqual((one["reference"], one["differences"]), ("nonlinear", named["differences"]))
 
+    def test_a_recording_that_is_there_twice_counts_once(self):
+        """The same data under another name would look like another person's, and make intervals of no width."""
+        self.ran()
+        once = json.loads((self.folder / "results/summary.json").read_text())
+        campaign = self.campaign()
+        shutil.copy(campaign / "p01-walking/session.h5", campaign / "copy.h5")
+        document = json.loads((campaign / "campaign.json").read_text())
+        first = next(take for take in document["takes"] if take["id"] == "p01-walking")
+        document["takes"].append({**first, "id": "p09-walking", "participant": "p09", "session": "copy.h5"})
+        (campaign / "campaign.json").write_text(json.dumps(document))
+        for _ in range(2):  # computed, and found again
+            self.assertIn("failed: take p09-walking: copy.h5: is the recording of take p01-walking again, with the same motion capture; it counts once",
+                          self.ran(campaign=campaign, code=1))
+        twice = json.loads((self.folder / "results/summary.json").read_text())
+        self.assertEqual((twice["takes"], twice["takes_failed"]), (once["takes"] + 1, 1))
+        for of in ("participants", "cells", "differences", "by_take", "best"):
+            self.assertEqual(twice[of], once[of])
+
     def test_a_demo_makes_a_page_once_and_again(self):
         for _ in range(2):
             self.assertIn("simulated: 6 of 6 takes, 6 participants", trilat("demo", "-o", self.folder / "demo"))
