@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
@@ -106,8 +108,22 @@ std::vector<std::size_t> assets_of_joint(const MocapHeader& header, const std::v
                                   "coordinate space Global");
     if (!asset.has_position)
       throw InputError(place, "names the asset \"" + key + "\", of which the export holds no position");
+    if (std::ranges::count(assets, assets.back()) > 1)
+      throw InputError(place, "names the asset \"" + key + "\" twice, in two ways");
   }
   return assets;
+}
+
+void refuse_same_assets(std::span<const std::string> joints, std::span<const std::vector<std::size_t>> assets,
+                        const std::string& place) {
+  std::map<std::set<std::size_t>, std::string> known;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (assets[j].empty()) continue;
+    const auto [first, is_new] = known.try_emplace({assets[j].begin(), assets[j].end()}, joints[j]);
+    if (!is_new)
+      throw InputError(place + joints[j],
+                       "names the same assets as " + first->second + ": which of both are they?");
+  }
 }
 
 }  // namespace trilat

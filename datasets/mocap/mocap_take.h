@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -108,5 +109,11 @@ std::size_t find_asset(const MocapHeader& header, std::string_view key, const st
 // position, or is a bone whose positions are relative to its parent.
 std::vector<std::size_t> assets_of_joint(const MocapHeader& header, const std::vector<std::string>& keys,
                                          const std::string& place);
+
+// Refuses joints that have the same assets, as a copied line of a mapping gives them: the place of one of
+// them is then the other's. `assets`: by joint, none of a joint that is not mapped; `place`: of the mapping's
+// joints.
+void refuse_same_assets(std::span<const std::string> joints, std::span<const std::vector<std::size_t>> assets,
+                        const std::string& place);
 
 }  // namespace trilat

@@ -30,7 +30,7 @@ Movements swinging(double duration_s, double late_s, std::uint64_t seed) {
 }
 
 TEST(MovementLag, IsFoundToAPartOfAFrameWithItsUncertainty) {
-  for (const double late_s : {-0.4, -0.11, 0.25, 0.8}) {
+  for (const double late_s : {-1.2, -1.0, -0.4, -0.11, 0.25, 0.8}) {
     const MovementLag found = lag_of(swinging(30.0, late_s, 1), swinging(30.0, 0.0, 2), kRate_hz);
     EXPECT_NEAR(found.lag_s, late_s, 0.01);
     EXPECT_LT(found.sigma_s, 0.02);

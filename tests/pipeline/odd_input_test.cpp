@@ -129,6 +129,18 @@ TEST(OddInput, ASensorThatStopsEarlyCostsOnlyMethodsThatCannotDoWithoutIt) {
   EXPECT_THAT(report_of(folder, "results"), HasSubstr("k2 recorded only 1.0 s of 3.0 s"));
 }
 
+TEST(OddInput, SensorsThatRecordAtNoTimeTogetherAreNamed) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 3.0));
+  change_session(campaign.takes[0], folder / "apart.h5", {[](std::size_t sensor, BodyFrame& frame) {
+                   return sensor == 1 ? frame.stamp.sequence > 60 : frame.stamp.sequence < 30;
+                 }});
+  execute_study(study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])"), campaign,
+                folder / "results", {});
+  EXPECT_THAT(report_of(folder, "results"), AllOf(HasSubstr("k2 begins 1.0 s after "),
+                                                  HasSubstr(" ends: were their times taken by clocks")));
+}
+
 TEST(OddInput, TwoLostFramesAreBridgedWhateverTheSensorsDriftIs) {
   const ScratchFolder folder;
   SimulationSpec spec = walking_spec(1, 3.0);

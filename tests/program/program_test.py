@@ -155,6 +155,15 @@ sys.exit(code)
         one, named = (json.loads((self.folder / name / "summary.json").read_text()) for name in ("one", "named"))
         self.assertEqual((one["reference"], one["differences"]), ("nonlinear", named["differences"]))
 
+    def test_two_joints_with_the_same_markers_are_refused(self):
+        campaign = self.campaign()
+        for mapping in campaign.glob("*/mapping.json"):
+            document = json.loads(mapping.read_text())
+            document["joints"]["wrist_left"] = document["joints"]["elbow_left"]
+            mapping.write_text(json.dumps(document))
+        self.assertIn("mapping.json /joints/wrist_left: names the same assets as elbow_left: which of both are they?",
+                      self.ran(campaign=campaign, code=2))
+
     def test_a_recording_that_is_there_twice_counts_once(self):
         """The same data under another name would look like another person's, and make intervals of no width."""
         self.ran()

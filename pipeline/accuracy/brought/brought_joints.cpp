@@ -95,6 +95,7 @@ std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header,
     const auto point = std::ranges::find(points, name, &NamedPoint::name);
     if (point != points.end()) markers.back() = assets_of_joint(header, point->assets, place + " /" + name);
   }
+  refuse_same_assets(names, markers, place + " /");
   return markers;
 }
 

@@ -115,15 +115,17 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
 MarkerTrack truth_of(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
                      MocapTime until) {
   MocapReader reader(planned.take.mocap);
+  const std::string place = planned.take.mapping.string() + " /joints/";
+  std::vector<std::string> names;
   std::vector<std::vector<std::size_t>> assets;
   for (const Joint joint : joints) {
+    names.emplace_back(name_of(joint));
     assets.emplace_back();
     for (const auto& entry : planned.mapping.joints)
       if (entry.joint == joint)
-        assets.back() =
-            assets_of_joint(reader.header(), entry.assets,
-                            planned.take.mapping.string() + " /joints/" + std::string(name_of(joint)));
+        assets.back() = assets_of_joint(reader.header(), entry.assets, place + names.back());
   }
+  refuse_same_assets(names, assets, place);
   std::set<std::size_t> wanted;
   for (const std::vector<std::size_t>& of_joint : assets) wanted.insert(of_joint.begin(), of_joint.end());
   return {read_positions(reader, {wanted.begin(), wanted.end()}, until), std::move(assets), longest_gap,
