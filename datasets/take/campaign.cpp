@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -256,6 +260,28 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
                                                             {"takes", takes}},
                                                        2) +
                                            "\n");
+}
+
+std::vector<std::string> oddities_of(const Campaign& campaign) {
+  const auto plain = [](const std::string& name) {
+    std::string letters;
+    for (const char c : name)
+      if (static_cast<unsigned char>(c) >= 0x80 || std::isalnum(static_cast<unsigned char>(c)))
+        letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return letters;
+  };
+  std::vector<std::string> odd;
+  const auto look_at = [&](std::string Take::*name, const char* what, const char* twice) {
+    std::map<std::string, std::set<std::string>> alike;
+    for (const Take& take : campaign.takes) alike[plain(take.*name)].insert(take.*name);
+    for (const auto& [letters, names] : alike)
+      if (names.size() > 1)
+        odd.push_back(fmt::format("has the {} \"{}\", which count as {} {}; if they are one, write one name",
+                                  what, fmt::join(names, "\" and \""), names.size(), twice));
+  };
+  look_at(&Take::participant, "participants", "persons");
+  look_at(&Take::activity, "activities", "conditions");
+  return odd;
 }
 
 }  // namespace trilat

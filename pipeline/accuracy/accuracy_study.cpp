@@ -37,6 +37,7 @@ struct AccuracyRun {
   bool cross_check = false;
   std::shared_ptr<HashCache> hashes;
   ErrorSettings errors;
+  std::vector<TakeNote> notes;                    // on the campaign
   std::vector<WatchedFiles> files;                // by take, from before the plan was made
   std::vector<std::vector<TakeInput>> inputs;     // by take, once its key was asked for
   std::vector<std::optional<ErrorTable>> tables;  // by take, of those that were evaluated
@@ -190,6 +191,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   const RunOutcome outcome = outcome_of(run.plan, results, run.cross_check);
   write_beside(folder, outcome.tracking);
   ResultsSummary summary = summary_head(run.plan, outcome);
+  summary.notes.insert(summary.notes.begin(), run.notes.begin(), run.notes.end());
   const StudyErrors errors(tables, run.plan.names, summary);
   summarise(errors, summary);
   summary.claims = claims_of(errors);
@@ -293,6 +295,7 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
   const StudySpec& study_of = run->plan.study;
   run->errors = {study_of.alignments, study_of.training_share, study_of.occluded_apart, study_of.rate_hz,
                  compared_methods(run->plan.methods, run->plan.reference)};
+  for (std::string& text : oddities_of(campaign)) run->notes.push_back({"", false, "campaign.json", text});
   run->parameters = read_declared_parameters(campaign.folder);
   Study study{.kind = name_of(StudyKind::accuracy),
               .settings = resolved_json(run->plan.study),

@@ -100,13 +100,9 @@ TEST(FilledStudy, OfAccuracyMayLackNumbers) {
   EXPECT_EQ(json_text(json_of(read_as<ResultsSummary>(JsonObject(parsed, "filled.json", ""))), 1), text);
 }
 
-TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) {
-  expect_read_back(filled<CalibrationSummary>());
-}
+TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) { expect_read_back(filled<CalibrationSummary>()); }
 
-TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) {
-  expect_read_back(filled<RecordingSummary>());
-}
+TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) { expect_read_back(filled<RecordingSummary>()); }
 
 TEST(FilledStudy, OfASweepIsReadBackToTheLastBit) {
   auto summary = filled<SweepSummary>();

@@ -155,6 +155,18 @@ sys.exit(code)
         one, named = (json.loads((self.folder / name / "summary.json").read_text()) for name in ("one", "named"))
         self.assertEqual((one["reference"], one["differences"]), ("nonlinear", named["differences"]))
 
+    def test_names_that_differ_in_case_alone_are_noted(self):
+        campaign = self.campaign()
+        document = json.loads((campaign / "campaign.json").read_text())
+        one, other = document["takes"]
+        one["activity"], other["participant"] = "Walking", "P-01"
+        (campaign / "campaign.json").write_text(json.dumps(document))
+        said = self.ran(campaign=campaign, study={**STUDY, "conditions": ["walking"]})
+        self.assertIn('note: campaign.json: has the participants "P-01" and "p01", which count as 2 persons; if they are one, write one name', said)
+        self.assertIn('note: campaign.json: has the activities "Walking" and "walking", which count as 2 conditions; if they are one, write one name', said)
+        self.assertIn("1 of 1 takes", said)
+        self.assertNotIn("campaign.json", self.ran(force=True))
+
     def test_two_joints_with_the_same_markers_are_refused(self):
         campaign = self.campaign()
         for mapping in campaign.glob("*/mapping.json"):

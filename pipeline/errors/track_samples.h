@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/results/error_table.h"
 #include "datasets/results/stored_take.h"
 #include "evaluators/solvers/point_estimate.h"
 
@@ -96,6 +97,45 @@ class Windows {
   std::size_t track_;
   std::uint64_t of_block_, margin_, together_;
   std::optional<SampleBlock> whole_;
+};
+
+// Parts of the samples that are asked: occluded or not, abrupt or not.
+inline constexpr std::size_t kParts = 4;
+constexpr bool is_part_of(std::size_t part, Subset subset) {
+  if (subset == Subset::occluded) return (part & 1U) != 0;
+  return subset == Subset::all || (part & 2U) != 0;
+}
+
+// The samples of a track: which are asked, of which part each is, who answers, and how the truth moves. A
+// sample is asked where its truth is known.
+class SampleMarks {
+ public:
+  // Reads the samples once. `beside`: instants to either side from which an acceleration is taken; windows
+  // hold as many, and two at least.
+  SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz, std::uint64_t beside);
+
+  // From positions a fifteenth of a second apart, so that a marker's noise of some tenths of a millimetre
+  // does not decide an acceleration.
+  static std::uint64_t instants_beside(double rate_hz);
+
+  std::size_t place(std::uint64_t instant, std::size_t joint) const { return joint * instants_ + instant; }
+  bool is_asked(std::uint64_t instant, std::size_t joint) const {
+    return (marks_[place(instant, joint)] & kAsked) != 0;
+  }
+  std::size_t part_of(std::uint64_t instant, std::size_t joint) const {
+    return marks_[place(instant, joint)] >> 1U;
+  }
+  const std::vector<SampleSet>& answered() const { return answered_; }  // by method, over place()
+  const std::vector<TruthRow>& truth() const { return truth_; }         // by joint
+
+ private:
+  static constexpr std::uint8_t kAsked = 1, kOccluded = 2, kAbrupt = 4;
+  void add_movement(const Window& w, std::uint64_t i, std::size_t j, double rate_hz);
+
+  std::uint64_t instants_;
+  std::vector<std::uint8_t> marks_;  // by joint and instant
+  std::vector<SampleSet> answered_;
+  std::vector<TruthRow> truth_;
 };
 
 }  // namespace trilat
