@@ -89,10 +89,11 @@ void refuse_inputs(const PlannedOutput& output, bool is_own) {
   }
 }
 
-// A store that was copied here.
-bool holds_items_alone(const fs::path& folder) {
+// Nothing, a store that was copied here, or a mark that another shard writes at this moment.
+bool holds_nothing_else(const fs::path& folder) {
   return std::ranges::all_of(fs::directory_iterator(folder), [](const fs::directory_entry& entry) {
-    return entry.path().filename() == "items";
+    const std::string name = entry.path().filename().string();
+    return name == "items" || (name.starts_with("run.json.") && name.ends_with(".partial"));
   });
 }
 
@@ -105,7 +106,7 @@ bool holds_items_alone(const fs::path& folder) {
 void check_output_folder(const PlannedOutput& output, const OutputMark& mark) {
   const bool is_there = fs::exists(fs::symlink_status(output.path)),
              is_folder = fs::is_directory(output.path);
-  const bool is_empty = is_folder && holds_items_alone(output.path);
+  const bool is_empty = is_folder && holds_nothing_else(output.path);
   const std::optional<OutputMark> there = is_folder ? mark_in(output.path) : std::nullopt;
   const bool is_own = is_empty || (there && is_same_thing(*there, mark));
   refuse_inputs(output, is_own);
