@@ -29,6 +29,9 @@ std::string_view name_of(AssetType type);                 // "rigid_body", …
 std::string_view motive_name_of(AssetType type);          // "Rigid Body", …
 AssetType asset_type_from_motive(std::string_view text);  // any case; else `other`
 
+// How the take names of motion captures end that this program simulated.
+inline constexpr std::string_view kSimulatedTake = " simulated";
+
 // One name may stand under several types, and even twice under one: then only the ID tells them apart. The ID
 // is opaque text.
 struct MocapAsset {

@@ -116,8 +116,9 @@ void print_tables(const ResultsSummary& s) {
     std::ranges::stable_sort(rows, {}, [](const ComparedRow& row) {
       return row.joints == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
     });
-    fmt::print("alignment {}, centimetres\n{:<{}}  {:>20}  {:>8}  {:>7} {:>7} {:>7}  {:>8}\n", alignment,
-               "method", width, "mean error", "answered", "bias x", "y", "z", "joints");
+    fmt::print("alignment {}, centimetres{}\n{:<{}}  {:>20}  {:>8}  {:>7} {:>7} {:>7}  {:>8}\n", alignment,
+               s.simulated ? ", simulated" : "", "method", width, "mean error", "answered", "bias x", "y",
+               "z", "joints");
     for (const ComparedRow& row : rows) {
       fmt::print("{:<{}}  {:>20}  {:>7.1f}%", row.method, width, row.error,
                  100.0 * share_of(row.answered, row.asked));

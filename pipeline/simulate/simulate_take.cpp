@@ -166,10 +166,13 @@ void write_simulated_mocap(const MocapSpec& mocap_spec, const SimulatedTakePlan&
   for (int j = 0; j < kJointCount; ++j) joints.emplace_back(name_of(static_cast<Joint>(j)));
   const double rate_hz = mocap_spec.rate_hz;
   const std::int64_t frames = mocap_frames(mocap_spec, plan.duration_s);
-  OptitrackCsvWriter mocap(folder / "mocap.csv", simulated_mocap_header(plan.id + " simulated", rate_hz,
-                                                                        frames, AssetType::marker, markers));
-  OptitrackCsvWriter truth(folder / "truth.csv", simulated_mocap_header(plan.id + " true joints", rate_hz,
-                                                                        frames, AssetType::marker, joints));
+  const auto writer = [&](const char* file, const std::string& what, const std::vector<std::string>& names) {
+    const std::string take = plan.id + what + std::string(kSimulatedTake);
+    return OptitrackCsvWriter(folder / file,
+                              simulated_mocap_header(take, rate_hz, frames, AssetType::marker, names));
+  };
+  OptitrackCsvWriter mocap = writer("mocap.csv", "", markers),
+                     truth = writer("truth.csv", " true joints", joints);
   MocapFrame seen, exact;
   seen.poses.resize(markers.size());
   exact.poses.resize(joints.size());

@@ -155,6 +155,13 @@ sys.exit(code)
         one, named = (json.loads((self.folder / name / "summary.json").read_text()) for name in ("one", "named"))
         self.assertEqual((one["reference"], one["differences"]), ("nonlinear", named["differences"]))
 
+    def test_a_comparison_with_simulated_motion_capture_says_so(self):
+        take = self.made / "campaign/p01-walking"
+        said = trilat("compare", take / "mocap.csv", take / "truth.csv", "--mapping", take / "mapping.json", "-o", self.folder / "compared")
+        self.assertIn("alignment none, centimetres, simulated\n", said)
+        self.assertIn("Simulated data", trilat("report", self.folder / "compared", "-o", self.folder / "report")
+                      + (self.folder / "report/report.md").read_text())
+
     def test_names_that_differ_in_case_alone_are_noted(self):
         campaign = self.campaign()
         document = json.loads((campaign / "campaign.json").read_text())
