@@ -144,7 +144,9 @@ class Session:
 
     def joints_in_world(self, calibration: str | os.PathLike, rate_hz: float = 30.0, longest_gap_s: float = 0.11) -> JointsInWorld:
         """Joints of all sensors in the world of calibration.json, interpolated linearly at common instants, never across a
-        longer gap. Of several bodies in a frame the one with the most tracked joints is taken: for one person alone."""
+        longer gap. Of several bodies in a frame the one with the most tracked joints is taken: for one person alone. Left and
+        right are as the sensors gave them: a study's own methods see exchanged sides put right, unless it says
+        "repair_exchanges": false."""
         document = json.loads(Path(calibration).read_text(encoding="utf-8"))
         poses = {sensor["name"]: sensor for sensor in document["sensors"]}
         missing = [name for name in self.sensors if name not in poses]
