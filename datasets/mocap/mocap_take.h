@@ -29,7 +29,7 @@ std::string_view name_of(AssetType type);                 // "rigid_body", …
 std::string_view motive_name_of(AssetType type);          // "Rigid Body", …
 AssetType asset_type_from_motive(std::string_view text);  // any case; else `other`
 
-// How the take names of motion captures end that this program simulated.
+// End of the take name of a simulated motion capture.
 inline constexpr std::string_view kSimulatedTake = " simulated";
 
 // One name may stand under several types, and even twice under one: then only the ID tells them apart. The ID
@@ -59,6 +59,9 @@ struct MocapHeader {
   bool left_handed = false;  // as written in the file; poses are always right-handed
   std::int64_t first_frame = 0;
   std::vector<MocapAsset> assets;
+
+  // Whether this program simulated it. A recorded take of somebody who simulates a fall has a start time.
+  bool is_simulated() const { return take_name.ends_with(kSimulatedTake) && capture_start_text.empty(); }
 };
 
 // World is right-handed, y up, metres. What is missing is NaN, in all its components.

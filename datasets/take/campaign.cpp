@@ -264,10 +264,18 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
 
 std::vector<std::string> oddities_of(const Campaign& campaign) {
   const auto plain = [](const std::string& name) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     std::string letters;
-    for (const char c : name)
-      if (static_cast<unsigned char>(c) >= 0x80 || std::isalnum(static_cast<unsigned char>(c)))
-        letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    bool is_parted = false;
+    for (const char c : name) {
+      if (static_cast<unsigned char>(c) < 0x80 && !std::isalnum(static_cast<unsigned char>(c))) {
+        is_parted = true;
+        continue;
+      }
+      if (is_parted && !letters.empty() && is_digit(letters.back()) && is_digit(c)) letters += '-';
+      is_parted = false;
+      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
     return letters;
   };
   std::vector<std::string> odd;

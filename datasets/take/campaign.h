@@ -112,8 +112,8 @@ struct Campaign {
 Campaign read_campaign(const std::filesystem::path& path);
 Campaign parse_campaign(const Json& json, const std::filesystem::path& file);
 
-// What is odd about its names, a sentence each: participants and activities that differ in case, blanks or
-// punctuation alone, as "p01" and "P01", and yet are two of them.
+// Sentences on names that look like one and count as two: participants and activities that differ in case,
+// blanks or punctuation alone, as "p01" and "P-01". Punctuation between digits tells names apart.
 std::vector<std::string> oddities_of(const Campaign& campaign);
 // Writes paths relative to `folder`, whatever they are.
 void write_campaign(const std::filesystem::path& folder, const Campaign& campaign);

@@ -33,7 +33,7 @@ struct BoneWindowOptions {
   int max_iterations = 200;  // of each window
 };
 
-// What is seen of one person.
+// Observations of one person over time.
 struct BodyPath {
   std::span<const std::int64_t> time_ns;  // must rise
   std::span<const Joint> joints;          // each once

@@ -29,7 +29,7 @@ struct KalmanOptions {
   bool smooth = false;
 };
 
-// What is seen of one joint over time.
+// Observations of one joint over time.
 struct JointPath {
   std::span<const std::int64_t> time_ns;  // must rise
   std::size_t sensors = 0;

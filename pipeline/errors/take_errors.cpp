@@ -50,10 +50,9 @@ class TrackErrors {
         joints_(head_.joints.size()),
         methods_(head_.methods.size()),
         alignments_(settings.alignments.size()),
-        beside_(SampleMarks::instants_beside(settings.rate_hz)),
         windows_(take, track, block_instants(head_.instants, settings.rate_hz),
-                 std::max<std::uint64_t>(2, beside_)),
-        marks_(windows_, head_, settings.rate_hz, beside_),
+                 std::max<std::uint64_t>(2, SampleMarks::instants_beside(settings.rate_hz))),
+        marks_(windows_, head_, settings.rate_hz),
         columns_(windows_, head_, marks_, settings) {
     TRILAT_CHECK(head_.status_names.size() <= kMostStatuses, "every status has its column");
   }
@@ -365,7 +364,6 @@ class TrackErrors {
   const TakeHead& head_;
   const ErrorSettings& settings_;
   const std::size_t joints_, methods_, alignments_;
-  const std::uint64_t beside_;  // instants: how far to either side an acceleration looks
   const Windows windows_;
   const SampleMarks marks_;
   const AlignedColumns columns_;

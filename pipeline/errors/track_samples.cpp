@@ -42,11 +42,12 @@ std::uint8_t half_of(const Accelerations& bins) {
 
 }  // namespace
 
-SampleMarks::SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz, std::uint64_t beside)
+SampleMarks::SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz)
     : instants_(head.instants),
       marks_(head.joints.size() * head.instants),
       answered_(head.methods.size(), SampleSet(marks_.size())),
       truth_(head.joints.size()) {
+  const std::uint64_t beside = instants_beside(rate_hz);
   std::vector<std::uint8_t> acceleration(marks_.size(), kUnknown);
   std::vector<Accelerations> accelerations(truth_.size());
   windows.each([&](const Window& w) {

@@ -110,12 +110,11 @@ constexpr bool is_part_of(std::size_t part, Subset subset) {
 // sample is asked where its truth is known.
 class SampleMarks {
  public:
-  // Reads the samples once. `beside`: instants to either side from which an acceleration is taken; windows
-  // hold as many, and two at least.
-  SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz, std::uint64_t beside);
+  // Reads the samples once. Windows hold instants_beside() instants on either side, and two at least.
+  SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz);
 
-  // From positions a fifteenth of a second apart, so that a marker's noise of some tenths of a millimetre
-  // does not decide an acceleration.
+  // Instants to either side from which an acceleration is taken: a fifteenth of a second, so that a marker's
+  // noise of some tenths of a millimetre does not decide it.
   static std::uint64_t instants_beside(double rate_hz);
 
   std::size_t place(std::uint64_t instant, std::size_t joint) const { return joint * instants_ + instant; }

@@ -167,11 +167,12 @@ sys.exit(code)
         document = json.loads((campaign / "campaign.json").read_text())
         one, other = document["takes"]
         one["activity"], other["participant"] = "Walking", "P-01"
+        document["takes"] += [{**other, "id": f"other{n}", "participant": name, "activity": "rest"} for n, name in enumerate(("1-12", "11-2"))]  # tell apart
         (campaign / "campaign.json").write_text(json.dumps(document))
         said = self.ran(campaign=campaign, study={**STUDY, "conditions": ["walking"]})
         self.assertIn('note: campaign.json: has the participants "P-01" and "p01", which count as 2 persons; if they are one, write one name', said)
         self.assertIn('note: campaign.json: has the activities "Walking" and "walking", which count as 2 conditions; if they are one, write one name', said)
-        self.assertIn("1 of 1 takes", said)
+        self.assertEqual(said.count("note: campaign.json"), 2, said)
         self.assertNotIn("campaign.json", self.ran(force=True))
 
     def test_two_joints_with_the_same_markers_are_refused(self):

@@ -183,7 +183,7 @@ void look_into_brought(PlannedTake& planned, const StudySpec& study) {
   planned.points = common_points(take);
   const MocapPositions positions = read_markers(take.mocap);
   if (positions.time.empty()) throw InputError(take.mocap.string(), "holds no frames");
-  planned.simulated = positions.header.take_name.ends_with(kSimulatedTake);
+  planned.simulated = positions.header.is_simulated();
   planned.start = HostTime{} + duration_from_s(positions.first_s);
   planned.instants = static_cast<std::uint64_t>(
                          std::floor((positions.time.back() - MocapTime{}).seconds() * study.rate_hz + 1e-6)) +

@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-constexpr double kSearch_s = 1.0, kFarSearch_s = 3.0;  // the second where the first needs one
+constexpr double kSearch_s = 1.0, kFarSearch_s = 3.0;  // where the first shows that a lag is needed
 constexpr double kLeastCorrelation = 0.5;
 constexpr double kShortest_s = 6.0;  // in less a few steps agree at several lags
 // The part of the movements that does not agree is so many times as large without the lag.

@@ -20,8 +20,9 @@ struct MovementLag {
 };
 
 // `others`: of the same instants and joints, zero where they are not known. Both are NaN for less than six
-// seconds, and where the streams correlate at no lag within three seconds, nearly as well without one, or as
-// well when one stream is turned, with any of the blocks left out.
+// seconds, and where the streams correlate at no lag within a second, nearly as well without one, or as well
+// when one stream is turned, with any of the blocks left out. A lag that is needed is looked for within
+// three.
 MovementLag lag_of(const Movements& own, const Movements& others, double rate_hz);
 
 }  // namespace trilat

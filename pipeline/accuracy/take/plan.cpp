@@ -61,9 +61,9 @@ void plan_instants(PlannedTake& planned, const std::vector<std::string>& rig,
       std::ranges::min_element(spans, {}, [](const HostSpan& span) { return span.last.ns; });
   if (latest->first > earliest->last)
     planned.span_note += fmt::format(
-        "; {} begins {:.1f} s after {} ends (are their times of clocks that have nothing in common?)",
-        rig[static_cast<std::size_t>(latest - spans.begin())], (latest->first - earliest->last).seconds(),
-        rig[static_cast<std::size_t>(earliest - spans.begin())]);
+        "{}{} begins {:.1f} s after {} ends (are their times of clocks that have nothing in common?)",
+        planned.span_note.empty() ? "" : "; ", rig[static_cast<std::size_t>(latest - spans.begin())],
+        (latest->first - earliest->last).seconds(), rig[static_cast<std::size_t>(earliest - spans.begin())]);
   if (!planned.span_note.empty())
     planned.span_note += "; what cannot be answered without it counts against a method's coverage";
   planned.start = first;

@@ -261,19 +261,19 @@ class SensorChecker {
       add(row(s, "apart", "m", apart_m(s), kApart_m), std::ranges::find(sound_, s) == sound_.end());
     if (all.size() == 2 && checks_.misplaced) {
       note_calibration(
-          fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one of them is wrong, "
-                      "or a clock by more than a second; calibrate again",
+          fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one pose is wrong, "
+                      "or one clock is off by more than a second; calibrate again",
                       name(all[0]), name(all[1]), between_m(0, 1)));
       sound_.clear();
       return;
     }
     for (const CheckRow& found : checks_.rows)
       if (found.what == "apart" && found.beyond && std::isfinite(found.value))
-        note_calibration(
-            fmt::format("{} sees the person {:.2f} m from where the others do, by the pose it has: that is "
-                        "wrong, or its clock by more than a second; calibrate again, or leave it out with "
-                        "\"sensors\" in the study",
-                        found.subject, found.value));
+        note_calibration(fmt::format(
+            "{} sees the person {:.2f} m from where the others do, by the pose it has: the pose "
+            "is wrong, or its clock is off by more than a second; calibrate again, or leave it out with "
+            "\"sensors\" in the study",
+            found.subject, found.value));
   }
 
   // A sensor that was pushed during the take: its view moves against the others'.
