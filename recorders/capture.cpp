@@ -73,7 +73,6 @@ class CaptureStore {
       heard(s, sensor.depth, depth->stamp);
       writer_.add_depth_frame(s, *depth);
       ++status.depth_frames;
-      if (options_.on_depth_stored) options_.on_depth_stored(depth->stamp);
     } else if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) {
       writer_.add_clock_exchange(s, *exchange);
     } else if (const auto* count = std::get_if<DropCount>(&event.data)) {

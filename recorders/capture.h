@@ -42,7 +42,6 @@ struct CaptureOptions {
   std::function<void(const CaptureStatus&)> on_status = {};  // after every flush: what it counts is safe
   std::function<void(const std::string& sensor, const std::string& text)> on_notice = {};
   std::function<void(const std::string& sensor, const BodyFrame&)> on_bodies = {};  // by the writing thread
-  std::function<void(const FrameStamp&)> on_depth_stored = {};                      // likewise
 };
 
 enum class CaptureEnd { source_ended, stop_requested, duration_over, disk_full, disk_failed };

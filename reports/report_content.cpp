@@ -106,10 +106,11 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   }
   if (paper) {
     content.claims = claims_table(*paper);
-    content.audit = {errata_table(*paper), audit_table()};
-    make_id(content.claims->id, "paper", ids);
-    content.claims->shown = content.audit.front().shown = Table::Shown::first;
-    for (Table& table : content.audit) make_id(table.id, "paper", ids);
+    content.errata = errata_table(*paper);
+    for (Table* table : {&*content.claims, &*content.errata}) {
+      make_id(table->id, "paper", ids);
+      table->shown = Table::Shown::first;
+    }
   }
   for (Chapter& chapter : content.chapters) {
     const std::string study = usable_id(chapter.provenance.folder);
@@ -137,8 +138,8 @@ std::vector<const Table*> ReportContent::tables() const {
   if (claims) all.push_back(&*claims);
   for (const Chapter& chapter : chapters)
     for (const Table& table : chapter.tables) all.push_back(&table);
-  for (const std::vector<Table>* more : {&audit, &parameters})
-    for (const Table& table : *more) all.push_back(&table);
+  if (errata) all.push_back(&*errata);
+  for (const Table& table : parameters) all.push_back(&table);
   return all;
 }
 

@@ -31,7 +31,7 @@ struct ReportContent {
   Headline headline;
   std::optional<Table> changes;  // between two results of one study
   std::optional<Table> claims;
-  std::vector<Table> audit;  // of the paper; beside its claims
+  std::optional<Table> errata;  // of the paper; beside its claims
   std::vector<Chapter> chapters;
   std::vector<Table> parameters;  // one for all studies that assume the same
 

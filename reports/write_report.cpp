@@ -59,7 +59,7 @@ std::string markdown_of(const ReportContent& content) {
     for (const DrawnFigure& drawn : chapter.figures)
       if (drawn.figure.is_first) markdown += "\n" + markdown_of(drawn);
   }
-  for (const Table& table : content.audit) add(table);
+  if (content.errata) add(*content.errata);
   return markdown;
 }
 

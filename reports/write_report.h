@@ -13,7 +13,7 @@
 namespace trilat {
 
 struct ReportOptions {
-  std::optional<PaperFindings> paper = {};   // the claims and the audit of the paper; none: neither
+  std::optional<PaperFindings> paper = {};   // the claims and the errata of the paper; none: neither
   std::optional<ErrorChanges> changes = {};  // between the two results, when there are two of one study
   History history = {};                      // of nights, as `trilat gate` keeps it
   std::string made = {};                     // the page's time stamp; empty: the time of the day, UTC

@@ -40,7 +40,7 @@ SCENARIOS = [
     Scenario("sweep, resumed", "run sweep.json -o out --threads 1", "sweep.json sweep_shard=out", "summary.json"),
     Scenario("report", "report results -o out --time then", "results", "no file"),
     Scenario("report: gnuplot", "report results -o out --time then", "results", "no file"),
-    Scenario("gate", "gate older --baseline accepted --junit out", "older accepted"),
+    Scenario("gate", "gate older --baseline accepted --history out", "older accepted"),
     Scenario("gate --accept", "gate results --baseline out --accept better", "results older=out"),
 ]
 

@@ -233,6 +233,10 @@ void JsonObject::format(const std::string& name, std::int64_t version) {
   noted("version")->schema = {{"const", version}};
 }
 
+void JsonObject::removed(const std::string& key, const std::string& instead) const {
+  if (value_->contains(key)) refuse(key, "was removed; " + instead);
+}
+
 void JsonObject::refuse_below(const std::string& path, const std::string& problem) const {
   throw InputError(place_ + " " + pointer_ + "/" + path, problem);
 }

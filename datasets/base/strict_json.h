@@ -90,6 +90,8 @@ class JsonObject {
   void shape(const std::string& key, const char* schema);
   void about(std::initializer_list<std::pair<const char*, const char*>> meanings);
 
+  // Refuses a key of earlier versions with what to use instead.
+  void removed(const std::string& key, const std::string& instead) const;
   // Refuses keys nobody asked for.
   void finish();
 

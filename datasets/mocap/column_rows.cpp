@@ -211,34 +211,17 @@ bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
 }
 
 void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
-  const double* const position = &numbers_[kSlotsPerAsset * number + 4];
+  const double* const position = &numbers_[kSlotsPerAsset * number];
   pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(pose.position_m[axis]) > kFarthest_m) {
-      const auto slot = static_cast<std::size_t>(4 + axis);
-      refuse_cell(layout_.columns[assets_[number]][slot],
+      refuse_cell(layout_.columns[assets_[number]][static_cast<std::size_t>(axis)],
                   std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)), kTooFar);
     }
   if (pose.position_m.hasNaN()) {
     if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
     pose.position_m.setConstant(kMissing);
   }
-  if (header_.assets[assets_[number]].has_rotation) set_rotation(number, pose, anomalies);
-}
-
-void ColumnRows::set_rotation(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
-  const double* const rotation = &numbers_[kSlotsPerAsset * number];
-  const std::ptrdiff_t count = layout_.columns[assets_[number]][3] == kNoColumn ? 3 : 4;
-  const auto missing =
-      std::count_if(rotation, rotation + count, [](double component) { return std::isnan(component); });
-  if (missing > 0) {
-    if (missing < count) ++anomalies.partial_poses;
-    return;
-  }
-  pose.rotation = count == 3
-                      ? rotation_from_euler(rotation[0], rotation[1], rotation[2], header_.rotation_type)
-                      : rotation_from_printed(rotation[0], rotation[1], rotation[2], rotation[3]);
-  if (!pose.has_rotation()) ++anomalies.invalid_rotations;
 }
 
 void ColumnRows::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {

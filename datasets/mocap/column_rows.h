@@ -13,13 +13,14 @@ namespace trilat {
 
 // Data rows of the formats with a frame a row and a number a column: Motive and TRC. Time is the frame index
 // times the export rate; only when the header states no rate it is the printed one.
-class ColumnRows : public RowSource {
+class ColumnRows {
  public:
   // Reads ahead to the first row and completes `header` with its frame index. Both `lines` and `header` must
   // outlive the rows.
   ColumnRows(LineReader& lines, MocapHeader& header, ColumnLayout layout);
-  void read_only(const std::vector<std::size_t>& assets) override;
-  bool next(MocapFrame& frame, MocapAnomalies& anomalies) override;
+  void read_only(const std::vector<std::size_t>& assets);
+  // Time strictly advances from frame to frame; rows that do not advance are dropped and counted.
+  bool next(MocapFrame& frame, MocapAnomalies& anomalies);
 
  private:
   // The next row that is not blank, with commas between its cells, a frame number and a time.
@@ -33,7 +34,6 @@ class ColumnRows : public RowSource {
   const char* read_number(const char* p, const char* end, std::size_t column);
   bool set_time(MocapFrame& frame, MocapAnomalies& anomalies);
   void set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const;
-  void set_rotation(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const;
   [[noreturn]] void refuse_cell(std::size_t column, std::string_view cell, const char* problem) const;
 
   LineReader& lines_;

@@ -81,7 +81,7 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     const double time_s = number(0);
     if (!(std::abs(time_s) <= kLatest_s)) throw InputError(lines.place(), "has no time_s");
     const auto [joint, is_new] = joints.try_emplace(cells[places[1]], joints.size());
-    if (is_new) positions.header.assets.push_back({AssetType::marker, joint->first, "", "", false, true});
+    if (is_new) positions.header.assets.push_back({AssetType::marker, joint->first, "", "", true});
     Eigen::Vector3d position_m(number(2), number(3), number(4));
     if (!position_m.allFinite()) position_m.setConstant(kMissing);
     if (position_m.cwiseAbs().maxCoeff() > kFarthest_m)

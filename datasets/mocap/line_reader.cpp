@@ -2,9 +2,7 @@
 #include "datasets/mocap/line_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -12,14 +10,12 @@
 #include <unistd.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
 
 constexpr std::size_t kLongestLine = 16u << 20;
 
-constexpr double kQuaternionTolerance = 1e-3;
 constexpr std::int64_t kMicrohertz = 1'000'000;
 constexpr std::int64_t kHighestRate_uhz = 9000 * kMicrohertz;
 constexpr std::int64_t kMostFrames = 2'000'000'000;
@@ -86,37 +82,6 @@ bool LineReader::next(std::string_view& line) {
   line = std::string_view(start, size);
   if (line.ends_with('\r')) line.remove_suffix(1);
   return true;
-}
-
-Eigen::Quaterniond rotation_from_printed(double x, double y, double z, double w) {
-  const double length = std::sqrt(x * x + y * y + z * z + w * w);
-  if (!(std::abs(length - 1.0) < kQuaternionTolerance)) return MocapPose().rotation;
-  const double scale = 1.0 / length;
-  return {w * scale, x * scale, y * scale, z * scale};
-}
-
-bool is_euler_order(std::string_view text) {
-  std::string letters(text);
-  std::ranges::sort(letters);
-  return letters == "XYZ";
-}
-
-Eigen::Quaterniond rotation_from_euler(double x_deg, double y_deg, double z_deg, std::string_view order) {
-  const std::array<double, 3> angles_deg{x_deg, y_deg, z_deg};
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  for (char letter : order) {
-    const int axis = letter - 'X';
-    rotation = rotation *
-               Eigen::Quaterniond(Eigen::AngleAxisd(
-                   angles_deg[static_cast<std::size_t>(axis)] * kRadPerDegree, Eigen::Vector3d::Unit(axis)));
-  }
-  return rotation;
-}
-
-void make_right_handed(MocapPose& pose) {
-  pose.position_m.z() = -pose.position_m.z();
-  pose.rotation.x() = -pose.rotation.x();
-  pose.rotation.y() = -pose.rotation.y();
 }
 
 bool is_frame_rate(double rate_hz) { return rate_hz >= 1.0 && rate_hz <= 9000.0; }

@@ -10,13 +10,13 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "datasets/base/error.h"
 #include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
 #include "datasets/mocap/motive_header.h"
-#include "datasets/mocap/trackable_header.h"
-#include "datasets/mocap/trackable_rows.h"
 #include "datasets/mocap/trc_header.h"
 
 namespace trilat {
@@ -51,8 +51,7 @@ bool is_numbers_only(std::string_view line) {
     throw InputError(place, "the text is UTF-16; save the file as UTF-8");
   throw InputError(place,
                    "this is not a motion capture file that can be read; known are Motive's CSV, which begins "
-                   "with \"Format Version,1.2…\", the rows of Arena and Tracking Tools (\"comment,\") and "
-                   "TRC (\"PathFileType\")");
+                   "with \"Format Version,1.2…\", and TRC (\"PathFileType\")");
 }
 
 // By its first two bytes: the block of the parameters, and a key.
@@ -65,22 +64,39 @@ bool is_c3d(const std::filesystem::path& path) {
   return key == kKey && block > 0 && block < ' ';
 }
 
+// By its first row, as Arena, Tracking Tools and Motive before 1.2 wrote it.
+bool is_arena(std::string_view line) {
+  constexpr std::string_view kRows[] = {"comment",   "info",      "righthanded", "lefthanded",
+                                        "trackable", "rigidbody", "frame"};
+  const std::string_view type = line.substr(0, line.find(','));
+  return std::ranges::find(kRows, type.substr(0, type.find_last_not_of(" \t\r") + 1)) != std::end(kRows);
+}
+
+// The line that makes Motive's CSV of a file in another format.
+[[noreturn]] void refuse_with_converter(const std::filesystem::path& path, const char* what,
+                                        const char* format) {
+  throw InputError(
+      path.string(),
+      fmt::format("is {}; python3 -m trilat.convert {} {} -o {}", what, format, path.string(),
+                  std::filesystem::path(path)
+                      .replace_extension(format == std::string_view("c3d") ? ".csv" : ".motive.csv")
+                      .string()));
+}
+
 }  // namespace
 
 bool begins_as_mocap(const std::filesystem::path& path) {
   if (is_c3d(path)) return true;
-  LineReader lines(path, MocapReadOptions{}.block_bytes);
+  LineReader lines(path, kBlockBytes);
   std::string_view line;
   if (!lines.next(line)) return false;
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-  return line.starts_with(kMotiveStart) || is_trc(line) || is_known_row(line);
+  return line.starts_with(kMotiveStart) || is_trc(line) || is_arena(line);
 }
 
-MocapReader::MocapReader(const std::filesystem::path& path, MocapReadOptions options) {
-  if (is_c3d(path))
-    throw InputError(path.string(), "is C3D; python3 -m trilat.convert c3d " + path.string() + " -o " +
-                                        std::filesystem::path(path).replace_extension(".csv").string());
-  lines_ = std::make_unique<LineReader>(path, options.block_bytes);
+MocapReader::MocapReader(const std::filesystem::path& path, std::size_t block_bytes) {
+  if (is_c3d(path)) refuse_with_converter(path, "C3D", "c3d");
+  lines_ = std::make_unique<LineReader>(path, block_bytes);
   std::string_view line;
   if (!lines_->next(line)) throw InputError(lines_->place(), "the file is empty");
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
@@ -92,10 +108,8 @@ MocapReader::MocapReader(const std::filesystem::path& path, MocapReadOptions opt
     read_columns(read_motive_header(*lines_, line));
   } else if (is_trc(line)) {
     read_columns(read_trc_header(*lines_, line));
-  } else if (is_known_row(line)) {
-    TrackableHeader trackable = read_trackable_header(*lines_, line);
-    header_ = trackable.header;
-    rows_ = std::make_unique<TrackableRows>(*lines_, std::move(trackable));
+  } else if (is_arena(line)) {
+    refuse_with_converter(path, "in the rows of Arena and Tracking Tools", "arena");
   } else {
     refuse_file(line, lines_->place());
   }
@@ -112,28 +126,33 @@ bool MocapReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_
 
 namespace {
 
+// From the first to the last frame of a frozen stretch, how many frames it has at least, and the smallest
+// step of a file that has digits enough.
+constexpr Duration kMinFrozen{95'000'000};
+constexpr std::int64_t kMinFrozenFrames = 5;
+constexpr double kFinestStep_m = 2e-6;
+
 bool same_bits(const MocapPose& a, const MocapPose& b) {
-  return std::memcmp(a.position_m.data(), b.position_m.data(), 3 * sizeof(double)) == 0 &&
-         std::memcmp(a.rotation.coeffs().data(), b.rotation.coeffs().data(), 4 * sizeof(double)) == 0;
+  return std::memcmp(a.position_m.data(), b.position_m.data(), 3 * sizeof(double)) == 0;
 }
 
 }  // namespace
 
-FrozenPoses::FrozenPoses(const MocapHeader& header, FrozenOptions options)
-    : options_(options), finest_step_m_(std::numeric_limits<double>::infinity()) {
+FrozenPoses::FrozenPoses(const MocapHeader& header)
+    : finest_step_m_(std::numeric_limits<double>::infinity()) {
   for (const MocapAsset& asset : header.assets)
     stretches_.emplace_back().is_solved = asset.type != AssetType::marker && asset.type != AssetType::other;
 }
 
-std::int64_t FrozenPoses::add(std::size_t asset, const MocapPose& pose, bool present, MocapTime time) {
+std::int64_t FrozenPoses::add(std::size_t asset, const MocapPose& pose, MocapTime time) {
   Stretch& stretch = stretches_[asset];
-  if (!present) {
+  if (!pose.has_position()) {
     stretch.frames = 0;
     return 0;
   }
   const bool repeats = stretch.frames > 0 && same_bits(pose, stretch.pose);
   if (!repeats) {
-    if (stretch.seen && pose.has_position() && stretch.pose.has_position())
+    if (stretch.seen)
       for (const double step_m : (pose.position_m - stretch.pose.position_m).cwiseAbs().eval())
         if (step_m > 0.0) finest_step_m_ = std::min(finest_step_m_, step_m);
     stretch.moved |= stretch.seen && !same_bits(pose, stretch.pose);
@@ -146,9 +165,8 @@ std::int64_t FrozenPoses::add(std::size_t asset, const MocapPose& pose, bool pre
   }
   ++stretch.frames;
   if (stretch.frozen) return 1;
-  stretch.frozen = stretch.is_solved && stretch.moved && finest_step_m_ <= options_.finest_step_m &&
-                   stretch.frames >= options_.min_frames &&
-                   time - stretch.start >= duration_from_s(options_.min_s);
+  stretch.frozen = stretch.is_solved && stretch.moved && finest_step_m_ <= kFinestStep_m &&
+                   stretch.frames >= kMinFrozenFrames && time - stretch.start >= kMinFrozen;
   return stretch.frozen ? stretch.frames : 0;
 }
 
@@ -172,10 +190,10 @@ MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t
       const MocapPose& pose = frame.poses[asset];
       std::vector<Eigen::Vector3d>& position_m = result.position_m[asset];
       const bool at_origin = pose.position_m.isZero(0.0);
-      position_m.push_back(at_origin ? MocapPose().position_m : pose.position_m);
+      const MocapPose measured = at_origin ? MocapPose() : pose;
+      position_m.push_back(measured.position_m);
       result.removed.at_origin += at_origin ? 1 : 0;
-      const bool present = !at_origin && pose.is_present(result.header.assets[asset]);
-      const std::int64_t frozen = poses.add(asset, pose, present, frame.time);
+      const std::int64_t frozen = poses.add(asset, measured, frame.time);
       std::fill(position_m.end() - frozen, position_m.end(), MocapPose().position_m);
       result.removed.frozen += frozen;
     }

@@ -12,25 +12,22 @@
 
 namespace trilat {
 
+class ColumnRows;
 class LineReader;
-class RowSource;
 
-struct MocapReadOptions {
-  std::size_t block_bytes = 1 << 20;  // read from the disk at once
-};
+inline constexpr std::size_t kBlockBytes = 1 << 20;  // read from the disk at once
 
 // Whether a file begins as a motion capture of one of the formats below, whatever follows.
 bool begins_as_mocap(const std::filesystem::path& path);
 
 // Streams a motion capture of any length with bounded memory: OptiTrack's exports (Motive's column format 1.2
-// to 1.25 and the row formats 1.0 and 1.1), and the markers of TRC files; the content says which.
-// Poses come out right-handed in metres: units are converted, Euler angles become quaternions, and a
-// left-handed file is mirrored in z. Lost bodies that an export writes as a frozen pose or a sentinel are
-// delivered as they stand; the summary and read_positions() find them.
+// to 1.25), and the markers of TRC files; the content says which. Positions come out in metres. Lost bodies
+// that an export writes as a frozen pose or at the origin are delivered as they stand; read_positions() finds
+// them, and the summary the frozen ones.
 class MocapReader {
  public:
   // Reads the header. InputError when the file cannot be opened or is in none of these formats.
-  explicit MocapReader(const std::filesystem::path& path, MocapReadOptions options = {});
+  explicit MocapReader(const std::filesystem::path& path, std::size_t block_bytes = kBlockBytes);
   ~MocapReader();
   MocapReader(const MocapReader&) = delete;
   MocapReader& operator=(const MocapReader&) = delete;
@@ -51,7 +48,7 @@ class MocapReader {
  private:
   std::unique_ptr<LineReader> lines_;
   MocapHeader header_;
-  std::unique_ptr<RowSource> rows_;
+  std::unique_ptr<ColumnRows> rows_;
   MocapAnomalies anomalies_;
 };
 
@@ -60,18 +57,12 @@ class MocapReader {
 // pose that has moved before and then stays the same to the bit is lost where steps elsewhere in the file are
 // many times smaller than the noise of a body at rest, some 0.02 mm. Markers are measured, and missing when
 // hidden: they are never lost in this way.
-struct FrozenOptions {
-  double min_s = 0.095;         // from the first to the last frame of the stretch
-  std::int64_t min_frames = 5;  // and at least so many
-  double finest_step_m = 2e-6;  // the smallest step of the file is at most this
-};
-
 class FrozenPoses {
  public:
-  explicit FrozenPoses(const MocapHeader& header, FrozenOptions options = {});
+  explicit FrozenPoses(const MocapHeader& header);
   // How many of the asset's poses so far are newly known to be frozen, this one being the last of them: the
   // whole stretch when it has just become long enough, then one at a time.
-  std::int64_t add(std::size_t asset, const MocapPose& pose, bool present, MocapTime time);
+  std::int64_t add(std::size_t asset, const MocapPose& pose, MocapTime time);
 
  private:
   struct Stretch {
@@ -82,7 +73,6 @@ class FrozenPoses {
     std::int64_t frames = 0;
     bool frozen = false;
   };
-  FrozenOptions options_;
   std::vector<Stretch> stretches_;  // by asset of the header
   double finest_step_m_;            // so far, of all assets
 };

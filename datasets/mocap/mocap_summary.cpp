@@ -12,20 +12,14 @@
 namespace trilat {
 namespace {
 
-bool is_sentinel_rotation(const Eigen::Quaterniond& q) {
-  return q.x() == 0.0 && q.y() == 0.0 && q.z() == 0.0 && std::abs(q.w()) == 1.0;
-}
+constexpr double kJumpSpeed_m_s = 20.0;  // a sprinter's foot reaches this, nobody in a room does
 
 }  // namespace
 
-MocapSummarizer::MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options)
-    : options_(options),
-      rate_is_stated_(!std::isnan(header.export_rate_hz)),
-      tracks_(header.assets.size()),
-      frozen_(header, options.frozen) {
+MocapSummarizer::MocapSummarizer(const MocapHeader& header)
+    : rate_is_stated_(!std::isnan(header.export_rate_hz)), tracks_(header.assets.size()), frozen_(header) {
   summary_.rate_hz = header.export_rate_hz;
   summary_.assets.resize(header.assets.size());
-  for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].asset = header.assets[i];
 }
 
 LikelyUp likely_up(const MocapSummary& summary) {
@@ -60,15 +54,13 @@ void MocapSummarizer::add(const MocapFrame& frame) {
     Track& track = tracks_[i];
     AssetSummary& counts = summary_.assets[i];
     const MocapPose& pose = frame.poses[i];
-    const bool present = pose.is_present(track.asset);
-    track.missed = track.missed || skips || !present;
-    counts.frozen += frozen_.add(i, pose, present, frame.time);
-    if (present) {
-      if (pose.has_position()) counts.sum_m += pose.position_m - mean_m;
+    track.missed = track.missed || skips || !pose.has_position();
+    counts.frozen += frozen_.add(i, pose, frame.time);
+    if (pose.has_position()) {
+      counts.sum_m += pose.position_m - mean_m;
       add_sample(pose, frame.time, track, counts);
     } else {
       ++counts.missing;
-      track.sentinel_run = 0;
     }
   }
 }
@@ -92,40 +84,22 @@ void MocapSummarizer::add_time(const MocapFrame& frame) {
       summary_.largest_time_error_s, std::abs(frame.printed_time_s - first_printed_s_ - summary_.duration_s));
 }
 
-void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& track,
-                                 AssetSummary& counts) const {
+void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& track, AssetSummary& counts) {
   ++counts.samples;
   if (track.seen) {
     const double since_s = (time - track.last_time).seconds();
     const double distance_m = (pose.position_m - track.last_pose.position_m).norm();
-    if (distance_m > options_.jump_speed_m_s * since_s) ++counts.jumps;
+    if (distance_m > kJumpSpeed_m_s * since_s) ++counts.jumps;
     if (track.missed) counts.longest_gap_s = std::max(counts.longest_gap_s, since_s);
   }
-  add_sentinel(pose, track, counts);
   track.seen = true;
   track.missed = false;
   track.last_pose = pose;
   track.last_time = time;
 }
 
-void MocapSummarizer::add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts) {
-  const bool lost_marker = !pose.has_rotation() && pose.position_m.isZero(0.0);
-  if (!pose.has_position() || !(lost_marker || is_sentinel_rotation(pose.rotation))) {
-    track.sentinel_run = 0;
-    return;
-  }
-  const bool unmoved = track.sentinel_run > 0 && pose.position_m == track.sentinel_position_m;
-  track.sentinel_run = unmoved ? track.sentinel_run + 1 : 1;
-  track.sentinel_position_m = pose.position_m;
-  if (pose.position_m.isZero(0.0)) {
-    ++counts.sentinels;
-  } else if (unmoved) {
-    counts.sentinels += track.sentinel_run == 2 ? 2 : 1;
-  }
-}
-
-MocapSummary summarize_mocap(MocapReader& reader, MocapSummaryOptions options) {
-  MocapSummarizer summarizer(reader.header(), options);
+MocapSummary summarize_mocap(MocapReader& reader) {
+  MocapSummarizer summarizer(reader.header());
   MocapFrame frame;
   while (reader.next(frame)) summarizer.add(frame);
   return summarizer.finish();

@@ -11,20 +11,12 @@
 
 namespace trilat {
 
-class MocapReader;
-
-struct MocapSummaryOptions {
-  FrozenOptions frozen;
-  double jump_speed_m_s = 20.0;  // a sprinter's foot reaches this, nobody in a room does
-};
-
 struct AssetSummary {
-  std::int64_t samples = 0;    // frames in which the asset is present
-  std::int64_t missing = 0;    // frames in which it is not
-  std::int64_t frozen = 0;     // samples inside frozen stretches
-  std::int64_t sentinels = 0;  // samples that say "lost": exactly at zero, or unmoving without a rotation
+  std::int64_t samples = 0;                         // frames in which the asset has a position
+  std::int64_t missing = 0;                         // frames in which it has none
+  std::int64_t frozen = 0;                          // samples inside frozen stretches
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();  // of its positions, less the mean of all in the frame
-  std::int64_t jumps = 0;                           // steps from one sample to the next faster than the limit
+  std::int64_t jumps = 0;                           // steps from one sample to the next faster than 20 m/s
   // Longest time between two neighbouring samples with a frame missing between them; what is missing before
   // the first and after the last sample does not count.
   double longest_gap_s = 0.0;
@@ -51,26 +43,21 @@ LikelyUp likely_up(const MocapSummary& summary);
 // Accumulates a summary frame by frame, in memory that does not grow.
 class MocapSummarizer {
  public:
-  explicit MocapSummarizer(const MocapHeader& header, MocapSummaryOptions options = {});
+  explicit MocapSummarizer(const MocapHeader& header);
   void add(const MocapFrame& frame);
   const MocapSummary& finish() const { return summary_; }
 
  private:
   struct Track {
-    MocapAsset asset;
     bool seen = false;
     bool missed = false;  // since the last sample
     MocapPose last_pose;
     MocapTime last_time;
-    std::int64_t sentinel_run = 0;
-    Eigen::Vector3d sentinel_position_m = Eigen::Vector3d::Zero();
   };
 
   void add_time(const MocapFrame& frame);
-  void add_sample(const MocapPose& pose, MocapTime time, Track& track, AssetSummary& counts) const;
-  static void add_sentinel(const MocapPose& pose, Track& track, AssetSummary& counts);
+  static void add_sample(const MocapPose& pose, MocapTime time, Track& track, AssetSummary& counts);
 
-  MocapSummaryOptions options_;
   bool rate_is_stated_ = false;
   MocapSummary summary_;
   std::vector<Track> tracks_;
@@ -80,6 +67,6 @@ class MocapSummarizer {
 };
 
 // Reads to the end.
-MocapSummary summarize_mocap(MocapReader& reader, MocapSummaryOptions options = {});
+MocapSummary summarize_mocap(MocapReader& reader);
 
 }  // namespace trilat

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "datasets/base/time.h"
 #include "datasets/base/units.h"
@@ -22,7 +21,7 @@ inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 // What OptiTrack calls a column's type. A rigid body marker is the solved position, present while the marker
 // is hidden; a marker is the measured one, missing while hidden. `other` is a type that is none of these and
-// yet has a position or a rotation.
+// yet has a position.
 enum class AssetType { rigid_body, rigid_body_marker, marker, bone, bone_marker, other };
 
 std::string_view name_of(AssetType type);                 // "rigid_body", …
@@ -39,24 +38,21 @@ struct MocapAsset {
   std::string name;
   std::string id;
   std::string parent;
-  bool has_rotation = false;
-  bool has_position = false;
+  bool has_position = false;  // else the export has its rotations alone
 };
 
 struct MocapHeader {
-  std::string format;  // "Motive CSV 1.23", "OptiTrack row format 1.1"
+  std::string format;  // "Motive CSV 1.23", "TRC"
   std::string take_name;
   std::string take_notes;
   std::string capture_start_text;  // local time without zone, as written
   double capture_rate_hz = kMissing;
-  double export_rate_hz = kMissing;  // NaN: not stated, as in the row formats
+  double export_rate_hz = kMissing;  // NaN: not stated
   std::optional<std::int64_t> capture_start_frame;
   std::optional<std::int64_t> total_frames_in_take;
   std::optional<std::int64_t> total_exported_frames;
   LengthUnit length_unit = LengthUnit::metre;
-  std::string rotation_type = "Quaternion";  // or the order of Euler angles, "XYZ"
   std::string coordinate_space = "Global";
-  bool left_handed = false;  // as written in the file; poses are always right-handed
   std::int64_t first_frame = 0;
   std::vector<MocapAsset> assets;
 
@@ -64,17 +60,11 @@ struct MocapHeader {
   bool is_simulated() const { return take_name.ends_with(kSimulatedTake) && capture_start_text.empty(); }
 };
 
-// World is right-handed, y up, metres. What is missing is NaN, in all its components.
+// World is right-handed, y up, metres. A position that is missing is NaN in all its components.
 struct MocapPose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kMissing);
-  Eigen::Quaterniond rotation{kMissing, kMissing, kMissing, kMissing};  // world from asset
 
   bool has_position() const { return position_m.x() == position_m.x(); }
-  bool has_rotation() const { return rotation.w() == rotation.w(); }
-  // The asset was seen: its position is there, or its rotation when it has no position at all.
-  bool is_present(const MocapAsset& asset) const {
-    return asset.has_position ? has_position() : has_rotation();
-  }
 };
 
 struct MocapFrame {
@@ -89,19 +79,12 @@ struct MocapAnomalies {
   std::int64_t repeated_frames = 0;  // rows dropped because time did not advance
   std::int64_t rows_with_extra_fields = 0;
   std::int64_t not_finite_cells = 0;      // NAN, #IND or infinity in a column: missing
-  std::int64_t partial_poses = 0;         // positions or rotations dropped: not all components there
-  std::int64_t invalid_rotations = 0;     // rotations dropped: the quaternion is not of length 1
+  std::int64_t partial_poses = 0;         // positions dropped: not all components there
   std::int64_t printed_time_differs = 0;  // rows off the frame-derived time by over a frame period
   bool truncated_last_row = false;        // the file ends inside a row, which is not trusted
   // What the header promises and the rows there are, where the file ends before; 0 otherwise. Known at the
   // end.
   std::int64_t frames_promised = 0, frames_there = 0;
-};
-
-struct MocapTake {
-  MocapHeader header;
-  std::vector<MocapFrame> frames;
-  MocapAnomalies anomalies;
 };
 
 // "rigid_body:Wand", and "#ID" behind it when that alone does not tell it from another asset.

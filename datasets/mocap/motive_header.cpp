@@ -84,8 +84,6 @@ MocapHeader header_from(const HeaderKeys& keys) {
   header.total_frames_in_take = keys.count("Total Frames in Take");
   header.total_exported_frames = keys.count("Total Exported Frames");
   header.length_unit = keys.length_unit("Length Units");
-  const std::string rotation = keys.text("Rotation Type");
-  if (!rotation.empty()) header.rotation_type = rotation;
   const std::string space = keys.text("Coordinate Space");
   if (!space.empty()) header.coordinate_space = space;
   return header;
@@ -145,27 +143,17 @@ std::size_t width_of(const HeadingRows& rows, const Cells& axes) {
   return width;
 }
 
-// The place of a column among an asset's numbers; kSlotsPerAsset for what is neither a position nor a
-// rotation, such as a marker's quality.
+// The place of a column among an asset's numbers; kSlotsPerAsset for what is no position, such as a rotation
+// or a marker's quality.
 std::size_t slot_of(const std::string& kind, const std::string& axis) {
-  if (axis.size() != 1 || (kind != "Position" && kind != "Rotation")) return kSlotsPerAsset;
-  const auto number = std::string_view("XYZW").find(axis[0]);
-  if (number == std::string_view::npos || (kind == "Position" && number == 3)) return kSlotsPerAsset;
-  return number + (kind == "Position" ? 4 : 0);
+  if (axis.size() != 1 || kind != "Position") return kSlotsPerAsset;
+  return std::min(std::string_view("XYZ").find(axis[0]), kSlotsPerAsset);
 }
 
-void check_columns(const MocapAsset& asset, const AssetColumns& columns, const MocapHeader& header,
-                   const std::string& place) {
-  const std::string who = std::string(name_of(asset.type)) + " \"" + asset.name + "\"";
-  const auto has = [&](std::size_t slot) { return columns[slot] != kNoColumn; };
-  if (asset.has_position && !(has(4) && has(5) && has(6)))
-    throw InputError(place, who + " has not all of the columns Position X, Y and Z");
-  if (!asset.has_rotation) return;
-  if (!(has(0) && has(1) && has(2)))
-    throw InputError(place, who + " has not all of the columns Rotation X, Y and Z");
-  if (!has(3) && !is_euler_order(header.rotation_type))
-    throw InputError(place, who + " has three rotation columns, but \"Rotation Type\" is \"" +
-                                header.rotation_type + "\"; it must be the order of the angles, such as XYZ");
+void check_columns(const MocapAsset& asset, const AssetColumns& columns, const std::string& place) {
+  if (asset.has_position && std::ranges::find(columns, kNoColumn) != columns.end())
+    throw InputError(place, std::string(name_of(asset.type)) + " \"" + asset.name +
+                                "\" has not all of the columns Position X, Y and Z");
 }
 
 }  // namespace
@@ -217,13 +205,14 @@ ColumnLayout read_motive_columns(const std::vector<Cells>& rows, const Cells& ax
   for (std::size_t column = first; column < layout.used_columns; ++column) {
     const std::string& kind = cell_of(headings.kind, column);
     const std::size_t slot = slot_of(kind, cell_of(axes, column));
-    if (slot == kSlotsPerAsset) continue;
+    const bool is_position = slot != kSlotsPerAsset;
+    if (!is_position && kind != "Rotation") continue;
     const std::string& type = cell_of(headings.type, column);
     const std::string& name = cell_of(headings.name, column);
     const std::string& id = cell_of(headings.id, column);
     auto [entry, is_new] = known.try_emplace({type, name, id}, header.assets.size());
     // The same heading over a second set of columns is another asset.
-    if (!is_new && layout.columns[entry->second][slot] != kNoColumn) {
+    if (!is_new && is_position && layout.columns[entry->second][slot] != kNoColumn) {
       entry->second = header.assets.size();
       is_new = true;
     }
@@ -234,12 +223,12 @@ ColumnLayout read_motive_columns(const std::vector<Cells>& rows, const Cells& ax
                                .parent = cell_of(headings.parent, column)});
       layout.columns.emplace_back().fill(kNoColumn);
     }
+    if (!is_position) continue;  // of an asset without a position the name is known
     layout.columns[entry->second][slot] = column;
-    (kind == "Position" ? header.assets[entry->second].has_position
-                        : header.assets[entry->second].has_rotation) = true;
+    header.assets[entry->second].has_position = true;
   }
   for (std::size_t i = 0; i < header.assets.size(); ++i)
-    check_columns(header.assets[i], layout.columns[i], header, place);
+    check_columns(header.assets[i], layout.columns[i], place);
   return layout;
 }
 

@@ -14,9 +14,9 @@ namespace trilat {
 
 // Where in a row the numbers of an asset stand; kNoColumn where it has none.
 inline constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
-inline constexpr std::size_t kSlotsPerAsset = 7;
-inline constexpr std::array<std::string_view, kSlotsPerAsset> kSlotNames{
-    "rotation X", "rotation Y", "rotation Z", "rotation W", "position X", "position Y", "position Z"};
+inline constexpr std::size_t kSlotsPerAsset = 3;
+inline constexpr std::array<std::string_view, kSlotsPerAsset> kSlotNames{"position X", "position Y",
+                                                                         "position Z"};
 using AssetColumns = std::array<std::size_t, kSlotsPerAsset>;
 
 struct ColumnLayout {

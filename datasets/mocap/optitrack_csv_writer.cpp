@@ -46,10 +46,6 @@ void append_number(std::string& text, double value) {
     text += static_cast<char>('0' + rest / unit % 10);
 }
 
-std::size_t columns_of(const MocapAsset& asset) {
-  return (asset.has_rotation ? 4u : 0u) + (asset.has_position ? 3u : 0u);
-}
-
 }  // namespace
 
 OptitrackCsvWriter::OptitrackCsvWriter(const std::filesystem::path& path, MocapHeader header)
@@ -78,7 +74,7 @@ void OptitrackCsvWriter::write_header() {
   const auto row = [&](const char* label, const auto& text_of) {
     text += label;
     for (const MocapAsset& asset : header_.assets)
-      for (std::size_t i = 0; i < columns_of(asset); ++i) (text += ',') += text_of(asset);
+      for (std::size_t axis = 0; axis < 3; ++axis) (text += ',') += text_of(asset);
     text += '\n';
   };
   row(",Type", [](const MocapAsset& asset) { return motive_name_of(asset.type); });
@@ -87,11 +83,9 @@ void OptitrackCsvWriter::write_header() {
   row(",Parent", [](const MocapAsset& asset) { return cell(asset.parent); });
   std::string kinds = ",";
   std::string axes = "Frame,Time (Seconds)";
-  for (const MocapAsset& asset : header_.assets) {
-    if (asset.has_rotation) kinds += ",Rotation,Rotation,Rotation,Rotation";
-    if (asset.has_rotation) axes += ",X,Y,Z,W";
-    if (asset.has_position) kinds += ",Position,Position,Position";
-    if (asset.has_position) axes += ",X,Y,Z";
+  for (std::size_t i = 0; i < header_.assets.size(); ++i) {
+    kinds += ",Position,Position,Position";
+    axes += ",X,Y,Z";
   }
   file_.add_bytes(text + kinds + "\n" + axes + "\n");
 }
@@ -100,13 +94,8 @@ void OptitrackCsvWriter::write(const MocapFrame& frame) {
   TRILAT_CHECK(frame.poses.size() == header_.assets.size(), "a frame has a pose for each asset");
   row_ = std::to_string(frame.index);
   append_number(row_, static_cast<double>(frame.index) / header_.export_rate_hz);
-  for (std::size_t i = 0; i < header_.assets.size(); ++i) {
-    const Eigen::Quaterniond& q = frame.poses[i].rotation;
-    if (header_.assets[i].has_rotation)
-      for (const double component : {q.x(), q.y(), q.z(), q.w()}) append_number(row_, component);
-    if (header_.assets[i].has_position)
-      for (const double component : frame.poses[i].position_m) append_number(row_, component * per_metre_);
-  }
+  for (const MocapPose& pose : frame.poses)
+    for (const double component : pose.position_m) append_number(row_, component * per_metre_);
   file_.add_bytes(row_ += '\n');
   ++frames_;
 }

@@ -10,8 +10,8 @@
 
 namespace trilat {
 
-// Writes a take as Motive 1.25 lays it out: lengths in the header's unit and rotations as quaternions, with
-// six decimals; what is missing is an empty cell. Streams beside the final name and takes it only in
+// Writes the positions of a take as Motive 1.25 lays it out: in the header's unit with six decimals; what is
+// missing is an empty cell. Streams beside the final name and takes it only in
 // finish(); without that the partial file is removed.
 class OptitrackCsvWriter {
  public:

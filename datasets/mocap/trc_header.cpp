@@ -73,11 +73,10 @@ void add_markers(const Cells& names, ColumnHeader& result) {
                                     .name = names[i].empty() ? "marker " + number : names[i],
                                     .id = number,
                                     .parent = {},
-                                    .has_rotation = false,
                                     .has_position = true});
     AssetColumns& columns = result.layout.columns.emplace_back();
     columns.fill(kNoColumn);
-    for (std::size_t axis = 0; axis < 3; ++axis) columns[4 + axis] = kFirst + 3 * i + axis;
+    for (std::size_t axis = 0; axis < 3; ++axis) columns[axis] = kFirst + 3 * i + axis;
   }
   result.layout.used_columns = kFirst + 3 * names.size();
   result.layout.written_columns = result.layout.used_columns + 1;  // a tab may end a row

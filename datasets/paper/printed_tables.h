@@ -106,25 +106,16 @@ struct PrintedTable4 {
 
 PrintedTable4 printed_table4();
 
-// What the paper prints that cannot be so, in our words, with the numbers of its text that its tables
-// contradict.
+// What the paper prints that cannot be so, in our words.
 struct PrintedErrata {
   struct Erratum {
     std::string id, where, printed, problem, corrected;
     bool changes_results = true;  // false: of the text or of a printed table alone
     TRILAT_FIELDS(id, where, printed, problem, corrected, changes_results)
   };
-  struct Improvement {
-    std::string where, method;  // of the abstract or the text; better than which method
-    double percent = 0.0;
-    TRILAT_FIELDS(where, method, percent)
-  };
   std::string source;
   std::vector<Erratum> errata;
-  std::vector<Improvement> improvements;
-  std::array<double, 2> gait_cycles{};
-  double systems_named = 0.0, systems_shown = 0.0;
-  TRILAT_FIELDS(source, errata, improvements, gait_cycles, systems_named, systems_shown)
+  TRILAT_FIELDS(source, errata)
 };
 
 PrintedErrata printed_errata();

@@ -13,10 +13,9 @@
 
 namespace trilat {
 
-// Which samples of a take a row is of: all; those that a sensor sees occluded; the half of a joint's instants
-// at which its truth has the larger acceleration.
-enum class Subset : std::uint8_t { all, occluded, abrupt };
-inline constexpr std::array kSubsetNames{"all", "occluded", "abrupt"};
+// Which samples of a take a row is of: all; those that a sensor sees occluded.
+enum class Subset : std::uint8_t { all, occluded };
+inline constexpr std::array kSubsetNames{"all", "occluded"};
 
 inline constexpr std::size_t kMostStatuses = 16;
 
@@ -89,10 +88,10 @@ struct ShapeRow {
 
 // How the truth of a joint moves: sums over the whole take.
 struct TruthRow {
-  std::uint32_t quantity = 0, speeds = 0, jerks = 0;
-  double speed_m_s = 0.0, jerk_m_s3 = 0.0;
+  std::uint32_t quantity = 0, jerks = 0;
+  double jerk_m_s3 = 0.0;
 
-  TRILAT_FIELDS(quantity, speeds, jerks, speed_m_s, jerk_m_s3)
+  TRILAT_FIELDS(quantity, jerks, jerk_m_s3)
 };
 
 // How one method's estimates of a joint are laid over the truth, learnt from all its answers, and for the

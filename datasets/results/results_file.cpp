@@ -17,7 +17,7 @@ const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibratio
                                       "variations"};
 
 std::int64_t version_of(StudyKind kind) {
-  if (kind == StudyKind::accuracy) return 8;
+  if (kind == StudyKind::accuracy) return 9;
   if (kind == StudyKind::calibration) return 3;
   return kind == StudyKind::recording ? 2 : 1;
 }

@@ -12,20 +12,17 @@
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "datasets/hdf5/hdf5_file.h"
-#include "datasets/skeleton/skeleton.h"
 
 namespace trilat {
 namespace {
 
 constexpr const char* kTakeFormat = "trilat.take";
-constexpr std::int64_t kTakeVersion = 1;
+constexpr std::int64_t kTakeVersion = 2;
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
 constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
-constexpr std::uint64_t kPoseNumbers = 7;                // quaternion w, x, y, z and position x, y, z
-constexpr std::uint64_t kMaxReplayInstants = 1u << 20;   // far beyond what is ever written
-constexpr std::size_t kMaxSensors = 64;
-constexpr std::uint64_t kTogether = 256;        // instants whose samples are compressed together
-constexpr std::uint64_t kRowsTogether = 16384;  // rows of a table
+constexpr std::size_t kMaxSensors = 64;                  // each a track, where sensors are left out in turn
+constexpr std::uint64_t kTogether = 256;                 // instants whose samples are compressed together
+constexpr std::uint64_t kRowsTogether = 16384;           // rows of a table
 
 struct SampleTables {
   H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, status, iterations, cost_m2, gdop;
@@ -200,23 +197,6 @@ void check_places(const ErrorTable& t, const TakeHead& head, const std::string& 
   if (t.body_alignment >= t.alignments.size()) throw InputError(place, "has no body alignment");
 }
 
-std::vector<double> pose_numbers(const std::vector<RigidTransform>& poses) {
-  std::vector<double> numbers;
-  for (const RigidTransform& pose : poses) {
-    const Eigen::Quaterniond& q = pose.rotation;
-    const Eigen::Vector3d& t = pose.translation_m;
-    numbers.insert(numbers.end(), {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
-  }
-  return numbers;
-}
-
-RigidTransform pose_of(const double* n, const std::string& place) {
-  RigidTransform pose{{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}};
-  const bool unit = std::abs(pose.rotation.norm() - 1.0) < 1e-6;
-  if (!unit || !pose.translation_m.allFinite()) throw InputError(place, "world_from_sensor is not a pose");
-  return pose;
-}
-
 }  // namespace
 
 void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods) {
@@ -234,11 +214,6 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
   cost_m2.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
   gdop.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
   sigma_m.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
-}
-
-void Replay::reset(std::uint64_t count, std::size_t sensor_count) {
-  instants = count;
-  joint_m.assign(count * sensor_count * kJointCount * 3, std::numeric_limits<float>::quiet_NaN());
 }
 
 struct StoredTake::State {
@@ -400,38 +375,6 @@ ErrorTable StoredTake::read_errors() const {
   table.truth = read_rows<TruthRow>(node, "truth");
   check_places(table, state_->head, node.place());
   return table;
-}
-
-void StoredTake::write_replay(const Replay& replay) {
-  H5Node node = state_->file.create_group("replay");
-  node.set_texts("sensors", replay.sensors);
-  const std::uint64_t sensors = replay.sensors.size();
-  const std::vector<double> poses = pose_numbers(replay.world_from_sensor);
-  node.create_table("world_from_sensor", H5Type::f64, {kPoseNumbers}, {}, sensors)
-      .write(0, std::span<const double>(poses));
-  node.create_table("joint_m", H5Type::f32, {sensors, kJointCount, 3}, {}, replay.instants)
-      .write(0, std::span<const float>(replay.joint_m));
-}
-
-std::optional<Replay> StoredTake::read_replay() const {
-  if (!state_->file.has("replay")) return std::nullopt;
-  const H5Node node = state_->file.group("replay");
-  Replay replay;
-  replay.sensors = node.texts("sensors");
-  const std::size_t sensors = replay.sensors.size();
-  const H5Table poses = node.table("world_from_sensor", H5Type::f64, {kPoseNumbers});
-  if (sensors == 0 || sensors > kMaxSensors || poses.rows() != sensors)
-    throw InputError(node.place(), "must have a pose for each of 1 to 64 sensors");
-  std::vector<double> numbers(sensors * kPoseNumbers);
-  poses.read(0, std::span<double>(numbers));
-  for (std::size_t s = 0; s < sensors; ++s)
-    replay.world_from_sensor.push_back(pose_of(&numbers[s * kPoseNumbers], node.place()));
-  const H5Table joints = node.table("joint_m", H5Type::f32, {sensors, kJointCount, 3});
-  if (joints.rows() > std::min(kMaxReplayInstants, state_->head.instants))
-    throw InputError(node.place(), "joint_m is longer than the take");
-  replay.reset(joints.rows(), sensors);
-  joints.read(0, std::span<float>(replay.joint_m));
-  return replay;
 }
 
 }  // namespace trilat

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/error_table.h"
 
 namespace trilat {
@@ -54,25 +53,8 @@ struct SampleBlock {
 // Which columns of a block to read; errors: without ranges, cost and GDOP, which are empty then.
 enum class SampleColumns { errors, all };
 
-// What a replay shows at most of one take.
-inline constexpr double kReplay_s = 35.0;
-
-// The joint positions that each sensor saw during the first part of a take.
-struct Replay {
-  std::vector<std::string> sensors;
-  std::vector<RigidTransform> world_from_sensor;
-  std::uint64_t instants = 0;
-  // x, y, z in the world of every instant, sensor and Kinect joint; NaN where the sensor does not have it.
-  // Exchanges of left and right that the study undoes are undone.
-  std::vector<float> joint_m;
-
-  // Takes up the shape and says "not seen" everywhere.
-  void reset(std::uint64_t instants, std::size_t sensors);
-};
-
-// take.h5 (version 1), the item of a take: its samples, their errors, and what the page replays. Equal takes
-// give equal bytes. The blocks of a track are written in the order of time; what is never written must be
-// written empty.
+// take.h5 (version 2), the item of a take: its samples and their errors. Equal takes give equal bytes. The
+// blocks of a track are written in the order of time; what is never written must be written empty.
 class StoredTake {
  public:
   static constexpr const char* kName = "take.h5";
@@ -94,9 +76,6 @@ class StoredTake {
 
   void write_errors(const ErrorTable& table);
   ErrorTable read_errors() const;
-
-  void write_replay(const Replay& replay);
-  std::optional<Replay> read_replay() const;  // nothing: it is not replayed
 
   // Closes a file that was created, with all of it on the disk; OutputError when that cannot be.
   void finish();

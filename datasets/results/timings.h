@@ -51,28 +51,17 @@ struct StageTimings {
   TRILAT_FIELDS(study, processor, stages)
 };
 
-// Nanoseconds a solve, start included, of one cell of a sweep.
-struct SweepCellTiming {
-  std::size_t interpretation = 0;
-  std::size_t threshold = 0;
-  std::size_t range = 0;
-  double scalar_median_ns = 0.0, scalar_min_ns = 0.0;    // one problem at a time, over the repeats
-  double batched_median_ns = 0.0, batched_min_ns = 0.0;  // many problems side by side
-
-  TRILAT_FIELDS(interpretation, threshold, range, scalar_median_ns, scalar_min_ns, batched_median_ns,
-                batched_min_ns)
-};
-
 // What differs from machine to machine and run to run.
 struct SweepTimings {
   static constexpr const char *kFile = "timings.json", *kFormat = "trilat.timings";
   std::string study;
   std::string processor;
-  std::uint64_t problems = 0;  // of each cell, in each repeat
-  std::uint64_t repeats = 0;
-  std::vector<SweepCellTiming> cells;
+  // Problems of each cell that the scalar solver solved on one thread, the fastest of three times; 0: all
+  // trials, made and solved as the run took them.
+  std::uint64_t problems = 0;
+  std::vector<double> solve_us;  // a solve, start included; of each cell of the summary, in its order
 
-  TRILAT_FIELDS(study, processor, problems, repeats, cells)
+  TRILAT_FIELDS(study, processor, problems, solve_us)
 };
 
 }  // namespace trilat

@@ -72,8 +72,8 @@ struct StampCounts {
                 fmt::format("sequence numbers do not rise at {} places", sequence_backward), kTimes);
     if (ticks_backward > 0)
       place.say(Severity::warning, part,
-                fmt::format("device ticks do not rise at {} places: the sensor's clock was restarted, jumped "
-                            "or wrapped; times behind are fitted anew",
+                fmt::format("device ticks do not rise at {} places: the sensor's clock was restarted or "
+                            "jumped; times behind are fitted anew",
                             ticks_backward),
                 kTimes);
     if (arrival_backward > 0)

@@ -58,7 +58,7 @@ Eigen::Vector3d point_at(const JointTrack& track, double t) {
 }  // namespace
 
 RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const std::filesystem::path& mapping,
-                                    UpAxis up_axis) {
+                                    std::optional<UpAxis> up_axis) {
   MocapReader reader(mocap);
   const auto joints = resolve(reader.header(), mapping);
   auto tracks = std::make_shared<std::vector<JointTrack>>();
@@ -85,12 +85,7 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const st
   }
   if (points == 0.0) throw InputError(mocap.string(), "never holds any of the mapped joints whole");
   result.centre_m = sum_m / points;
-  if (up_axis == UpAxis::automatic) {
-    const std::optional<UpAxis> shown = standing.axis();
-    if (!shown) throw InputError(mocap.string(), kUnclearUp);
-    up_axis = *shown;
-  }
-  result.up_axis = up_axis;
+  if (!up_axis && standing.axis() == UpAxis::z) throw InputError(mocap.string(), kStandsAlongZ);
   if (up_axis == UpAxis::z) {
     result.centre_m = y_up_from_z_up(result.centre_m);
     for (JointTrack& track : *tracks)

@@ -33,15 +33,14 @@ using Motion = std::function<SkeletonPose(double time_s)>;
 
 // A real OptiTrack take as a motion: each mapped joint is the mean of its assets, interpolated between
 // samples at most 0.1 s apart and not present in longer gaps or frozen stretches. Time zero is the first
-// frame of the export. InputError when neither `up_axis` nor how the person stands says which axis is up.
+// frame of the export. InputError where no axis is stated and the person stands along z.
 struct RecordedMotion {
   Motion motion;
-  UpAxis up_axis = UpAxis::automatic;  // of the export: y or z
   double duration_s = 0.0;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // mean of all joint positions
   std::vector<Joint> joints;
 };
 RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const std::filesystem::path& mapping,
-                                    UpAxis up_axis = UpAxis::automatic);
+                                    std::optional<UpAxis> up_axis = {});
 
 }  // namespace trilat

@@ -249,13 +249,11 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
     JsonObject recorded = object.object("recorded");
     spec.recorded = RecordedSpec{path_of(recorded, "mocap", folder), path_of(recorded, "mapping", folder)};
     spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
-    spec.recorded->up_axis =
-        static_cast<UpAxis>(recorded.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
-    recorded.about(
-        {{"mocap", "its export, relative to this file"},
-         {"mapping", "of its assets to joints"},
-         {"activity", "what studies call it"},
-         {"up_axis", "of its world; auto: the one along which the person stands, if that is clear"}});
+    spec.recorded->up_axis = read_up_axis(recorded);
+    recorded.about({{"mocap", "its export, relative to this file"},
+                    {"mapping", "of its assets to joints"},
+                    {"activity", "what studies call it"},
+                    {"up_axis", "of its world; y where it is not stated"}});
     recorded.finish();
   }
   if (object.has("activities"))

@@ -72,8 +72,8 @@ struct ActivitySpec {
 struct RecordedSpec {
   std::filesystem::path mocap;
   std::filesystem::path mapping;
-  std::string activity = "recorded";  // what studies call it: their condition
-  UpAxis up_axis = UpAxis::automatic;
+  std::string activity = "recorded";   // what studies call it: their condition
+  std::optional<UpAxis> up_axis = {};  // not stated: y
 };
 
 // simulation.json, format 1: what `trilat simulate` makes a campaign from.

@@ -35,6 +35,14 @@ const std::array<std::vector<Joint>, StandingAxis::kLevels> kJointsOfLevel{
 
 }  // namespace
 
+std::optional<UpAxis> read_up_axis(JsonObject& object) {
+  object.words("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()});
+  if (!object.has("up_axis")) return std::nullopt;
+  if (object.value("up_axis") == "auto")
+    object.refuse("up_axis", "\"auto\" was removed; leave the key out for y, or state \"z\"");
+  return static_cast<UpAxis>(object.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}));
+}
+
 void StandingAxis::add(Joint joint, const Eigen::Vector3d& point_m) {
   if (!point_m.allFinite()) return;
   for (std::size_t level = 0; level < kLevels; ++level)
@@ -115,8 +123,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
     take.mocap = path_of(entry, "mocap", folder);
     if (has_session || entry.has("mapping")) take.mapping = path_of(entry, "mapping", folder);
     if (has_session) take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
-    take.up_axis =
-        static_cast<UpAxis>(entry.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0));
+    take.up_axis = read_up_axis(entry);
   }
   for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"})
     if (take.mocap.empty() && entry.has(key)) entry.refuse(key, "is of no use without \"mocap\"");
@@ -131,7 +138,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
        {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
        {"mapping", "of the truth's assets to joints"},
        {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
-       {"up_axis", "of the truth's world; auto: the one along which the person stands, if that is clear"},
+       {"up_axis", "of the truth's world; y where it is not stated"},
        {"joints", "what other methods or systems gave, beside the session or instead of it"}});
   entry.finish();
   return take;
@@ -243,8 +250,8 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
     add_file("mocap", take.mocap);
     add_file("mapping", take.mapping);
     if (!take.mocap.empty() && !take.session.empty()) json["mocap_start_host_ns"] = take.mocap_start_host_ns;
-    if (!take.mocap.empty() && take.up_axis != UpAxis::automatic)
-      json["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(take.up_axis));
+    if (!take.mocap.empty() && take.up_axis)
+      json["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(*take.up_axis));
     for (const BroughtJoints& joints : take.joints) {
       json["joints"].push_back({{"method", joints.method}, {"file", inside(joints.file)}});
       for (const NamedPoint& point : joints.mapping)

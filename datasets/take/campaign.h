@@ -17,11 +17,14 @@
 namespace trilat {
 
 // The axis that points up in a ground truth's world. In our world it is y; TRC files often have z.
-enum class UpAxis : std::uint8_t { automatic, y, z };
-inline const std::array<std::string, 3> kUpAxisNames{"auto", "y", "z"};
-// Why a take fails whose up axis is neither stated nor clear.
-inline constexpr const char* kUnclearUp =
-    "does not show which axis is up: no person stands along y or z in it; state \"up_axis\": \"y\" or \"z\"";
+enum class UpAxis : std::uint8_t { y, z };
+inline const std::array<std::string, 2> kUpAxisNames{"y", "z"};
+// The key "up_axis" of an object, where it has one.
+std::optional<UpAxis> read_up_axis(JsonObject& object);
+// Refusal of a take that does not state its axis and whose person stands along z.
+inline constexpr const char* kStandsAlongZ =
+    "holds a person who stands along z, and y is taken as up: state \"up_axis\": \"z\" in the take, or \"y\" "
+    "where that is right (trilat compare: --up z)";
 
 // A point of a right-handed world with z up, in one with y up: a quarter turn about x.
 inline Eigen::Vector3d y_up_from_z_up(const Eigen::Vector3d& point) {
@@ -95,7 +98,7 @@ struct Take {
   std::filesystem::path mapping;
   // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
-  UpAxis up_axis = UpAxis::automatic;  // of the mocap's world
+  std::optional<UpAxis> up_axis = {};  // of the mocap's world; not stated: y
   std::vector<BroughtJoints> joints{};
 };
 

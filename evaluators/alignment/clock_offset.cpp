@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
@@ -64,48 +63,11 @@ struct QuickMotion {
   Eigen::Vector3f position_m = Eigen::Vector3f::Constant(kNone), quick_m = Eigen::Vector3f::Constant(kNone);
 };
 
-// What of a path is slow, by local_motion(): at some times, and between them by cubic Hermite interpolation,
-// which differs by less than 0.1 mm.
-class SlowMotion {
- public:
-  SlowMotion(const PointPath& path, const ClockOffsetOptions& options)
-      : path_(path), options_(options), step_s_(kKnots * options.slow_s) {
-    if (path.time_s.empty()) return;
-    start_s_ = path.time_s.front();
-    const auto count = static_cast<std::size_t>((path.time_s.back() - start_s_) / step_s_) + 2;
-    for (std::size_t k = 0; k < count; ++k)
-      knots_.push_back(motion_at(start_s_ + static_cast<double>(k) * step_s_));
-  }
-  std::optional<Vector3d> position_m(double time_s) const {
-    const double place = (time_s - start_s_) / step_s_;
-    const auto k = static_cast<std::size_t>(std::max(place, 0.0));
-    if (place < 0.0 || k + 1 >= knots_.size() || !knots_[k] || !knots_[k + 1]) {
-      const auto motion = motion_at(time_s);  // at the edge of what is covered
-      return motion ? std::optional(motion->position_m) : std::nullopt;
-    }
-    const LocalMotion &a = *knots_[k], &b = *knots_[k + 1];
-    const double u = place - static_cast<double>(k), v = 1.0 - u;
-    return v * v * ((1.0 + 2.0 * u) * a.position_m + u * step_s_ * a.velocity_m_s) +
-           u * u * ((1.0 + 2.0 * v) * b.position_m - v * step_s_ * b.velocity_m_s);
-  }
-
- private:
-  std::optional<LocalMotion> motion_at(double time_s) const {
-    return local_motion(path_, time_s, options_.slow_s, options_.longest_gap_s);
-  }
-  static constexpr double kKnots = 0.1;  // a knot each so much of the window's sigma
-
-  const PointPath& path_;
-  const ClockOffsetOptions& options_;
-  double start_s_ = 0.0, step_s_;
-  std::vector<std::optional<LocalMotion>> knots_;
-};
-
-QuickMotion quick_motion(const PointPath& path, const SlowMotion& slow, double time_s,
-                         const ClockOffsetOptions& options) {
+QuickMotion quick_motion(const PointPath& path, double time_s, const ClockOffsetOptions& options) {
   const auto motion = local_motion(path, time_s, options.smooth_s, options.longest_gap_s);
   if (!motion) return {};
-  const Vector3d slow_m = slow.position_m(time_s).value_or(Vector3d::Constant(kNaN));
+  const auto slow = local_motion(path, time_s, options.slow_s, options.longest_gap_s);
+  const Vector3d slow_m = slow ? slow->position_m : Vector3d::Constant(kNaN);
   return {static_cast<float>(motion->velocity_m_s.norm()), motion->position_m.cast<float>(),
           (motion->position_m - slow_m).cast<float>()};
 }
@@ -119,10 +81,9 @@ TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
   grid.speed_m_s.reserve(count);
   grid.position_m.reserve(count);
   grid.quick_m.reserve(count);
-  const SlowMotion slow(path, options);
   for (std::size_t k = 0; k < count; ++k) {
     const QuickMotion motion =
-        quick_motion(path, slow, grid.start_s + static_cast<double>(k) * grid.step_s, options);
+        quick_motion(path, grid.start_s + static_cast<double>(k) * grid.step_s, options);
     grid.speed_m_s.push_back(motion.speed_m_s);
     grid.position_m.push_back(motion.position_m);
     grid.quick_m.push_back(motion.quick_m);
@@ -405,8 +366,7 @@ ClockOffset find_clock_offset(std::vector<PointPath> estimate, std::span<const P
   for (std::size_t j = 0; j < estimate.size(); ++j) {
     ComparedJoint joint{estimate[j].time_s, {}, std::make_shared<TruthGrid>(grid_of(truth[j], options))};
     joint.estimate.reserve(joint.time_s.size());
-    const SlowMotion slow(estimate[j], options);
-    for (const double t : joint.time_s) joint.estimate.push_back(quick_motion(estimate[j], slow, t, options));
+    for (const double t : joint.time_s) joint.estimate.push_back(quick_motion(estimate[j], t, options));
     joints.push_back(std::move(joint));
     estimate[j] = {};  // of an hour its room is needed
   }

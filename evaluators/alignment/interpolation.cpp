@@ -2,7 +2,6 @@
 #include "evaluators/alignment/interpolation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace trilat {
@@ -10,29 +9,10 @@ namespace {
 
 constexpr double kReach = 3.0;  // sigma
 
-// exp(-x / 2) for x from 0 to kReach squared, to 1e-6: linear in a table.
-class GaussTable {
- public:
-  GaussTable() {
-    for (std::size_t k = 0; k < values_.size(); ++k)
-      values_[k] = std::exp(-0.5 * static_cast<double>(k) / kPerUnit);
-  }
-  double at(double squared) const {
-    const double place = squared * kPerUnit;
-    const auto k = std::min(static_cast<std::size_t>(place), values_.size() - 2);
-    return values_[k] + (place - static_cast<double>(k)) * (values_[k + 1] - values_[k]);
-  }
-
- private:
-  static constexpr double kPerUnit = 256.0;
-  std::array<double, static_cast<std::size_t>(kReach* kReach* kPerUnit) + 2> values_;
-};
-
 }  // namespace
 
 std::optional<LocalMotion> local_motion(const PointPath& path, double time_s, double sigma_s,
                                         double longest_gap_s) {
-  static const GaussTable gauss;
   const double per_square = 1.0 / (sigma_s * sigma_s);
   const double reach_s = kReach * sigma_s, widest_s = std::max(longest_gap_s, 1.5 * sigma_s);
   const auto from = std::ranges::lower_bound(path.time_s, time_s - reach_s);
@@ -49,7 +29,7 @@ std::optional<LocalMotion> local_motion(const PointPath& path, double time_s, do
     last_s = *it;
     const double since = *it - time_s;
     (since <= 0.0 ? before : after) += 1;
-    const double weight = gauss.at(since * since * per_square);
+    const double weight = std::exp(-0.5 * since * since * per_square);
     weights += weight;
     first_moment += weight * since;
     second_moment += weight * since * since;

@@ -13,18 +13,17 @@
 namespace trilat {
 namespace {
 
-// sqrt(w) (|x - s| - r) of one sensor.
+// |x - s| - r of one sensor.
 class RangeResidual final : public ceres::SizedCostFunction<1, 3> {
  public:
-  RangeResidual(const Eigen::Vector3d& sensor_m, double range_m, double weight)
-      : sensor_m_(sensor_m), range_m_(range_m), scale_(std::sqrt(weight)) {}
+  RangeResidual(const Eigen::Vector3d& sensor_m, double range_m) : sensor_m_(sensor_m), range_m_(range_m) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Eigen::Vector3d from_sensor = Eigen::Map<const Eigen::Vector3d>(parameters[0]) - sensor_m_;
     const double distance = from_sensor.norm();
-    residuals[0] = scale_ * (distance - range_m_);
+    residuals[0] = distance - range_m_;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const double factor = distance > kOnSensor_m ? scale_ / distance : 0.0;
+    const double factor = distance > kOnSensor_m ? 1.0 / distance : 0.0;
     Eigen::Map<Eigen::Vector3d> row(jacobians[0]);
     row = factor * from_sensor;
     return true;
@@ -62,8 +61,7 @@ Descent descend_by_ceres(const RangeProblem& problem, const CeresOptions& option
   Eigen::Vector3d x = start_m;
   ceres::Problem least_squares;
   for (int i = 0; i < problem.count; ++i) {
-    auto residual =
-        std::make_unique<RangeResidual>(problem.sensor_m[i], problem.range_m[i], problem.weight[i]);
+    auto residual = std::make_unique<RangeResidual>(problem.sensor_m[i], problem.range_m[i]);
     least_squares.AddResidualBlock(residual.release(), nullptr, x.data());
   }
   ceres::Solver::Summary summary;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "datasets/base/error.h"
-#include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/range_equations.h"
 #include "evaluators/solvers/symmetric3.h"
 
@@ -156,23 +155,6 @@ Minimum descend(const Rays& rays, const RangeBearingOptions& options, const Eige
   return minimum;
 }
 
-// The minimum of the bearings' terms alone; false when the rays are parallel.
-bool triangulate(const Rays& rays, Eigen::Vector3d& x_m) {
-  Symmetric3 normal;
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (int i = 0; i < rays.count; ++i) {
-    const double weight = std::isfinite(rays.bearing_weight[i]) ? rays.bearing_weight[i] : 1.0;
-    const Eigen::Vector3d& u = rays.direction[i];
-    add_projection(normal, weight, u);
-    right += weight * (rays.point_m[i] - u.dot(rays.point_m[i]) * u);
-  }
-  const Symmetric3 adjugate = normal.adjugate();
-  const double determinant = normal.determinant(adjugate);
-  if (is_rank_deficient(normal, adjugate, determinant)) return false;
-  x_m = adjugate * right / determinant;
-  return true;
-}
-
 RangeProblem ranges_of(const Rays& rays) {
   RangeProblem problem;
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
@@ -180,24 +162,10 @@ RangeProblem ranges_of(const Rays& rays) {
   for (int i = 0; i < rays.count; ++i) {
     problem.sensor_m[i] = rays.sensor_m[i];
     problem.range_m[i] = rays.range_m[i];
-    problem.weight[i] = rays.range_weight[i];
     sum_m += rays.point_m[i];
   }
   problem.hint_m = sum_m / rays.count;
   return problem;
-}
-
-// Eq. 10 with the same weights; a range's sigma in metres is 1 / sqrt(weight).
-PointEstimate solve_ranges(const Rays& rays, const RangeBearingOptions& o) {
-  RangeProblem problem = ranges_of(rays);
-  for (int i = 0; i < rays.count; ++i) problem.weight[i] *= o.sigma.range_m * o.sigma.range_m;
-  NonlinearOptions options;
-  options.range_sigma_m = o.sigma.range_m;
-  options.step_tolerance_m = o.step_tolerance_m;
-  options.max_iterations = std::max(options.max_iterations, o.max_iterations);
-  PointEstimate estimate = solve_nonlinear(problem, options);
-  estimate.covariance *= o.sigma.range_m * o.sigma.range_m;
-  return estimate;
 }
 
 // Whether a sensor is so far off that the loss bends back: then another minimum may be lower.
@@ -259,8 +227,8 @@ PointEstimate estimate_of(const Rays& rays, const Eigen::Vector3d& x_m, SolveSta
 }  // namespace
 
 std::string contradiction_in(const RangeBearingOptions& o) {
-  if (!(o.sigma.range_m > 0.0) || !(o.sigma.bearing_m > 0.0)) return "both sigmas must be greater than 0";
-  if (std::isinf(o.sigma.range_m) && std::isinf(o.sigma.bearing_m)) return "one sigma must be finite";
+  for (const double sigma_m : {o.sigma.range_m, o.sigma.bearing_m})
+    if (!(sigma_m > 0.0) || std::isinf(sigma_m)) return "both sigmas must be greater than 0 and finite";
   if (!(o.sigma.inferred_factor > 0.0)) return "the factor of inferred joints must be greater than 0";
   if (!(o.loss_scale > 0.0)) return "the scale of the loss must be greater than 0";
   return {};
@@ -275,13 +243,6 @@ PointEstimate solve_range_bearing(std::span<const JointObservation> observations
   const Rays rays = rays_of(observations, world_from_sensor, options);
   if (rays.count == 0) return failed_estimate(SolveStatus::no_observation);
   if (!is_finite(rays)) return failed_estimate(SolveStatus::non_finite_input);
-  if (std::isinf(options.sigma.bearing_m) && options.loss == Loss::squares)
-    return solve_ranges(rays, options);
-  if (std::isinf(options.sigma.range_m) && options.loss == Loss::squares) {
-    Eigen::Vector3d crossing_m;
-    if (!triangulate(rays, crossing_m)) return failed_estimate(SolveStatus::rank_deficient);
-    return estimate_of(rays, crossing_m, SolveStatus::closed_form, 0);
-  }
   const Minimum minimum = global_minimum(rays, options);
   if (!is_usable(minimum.status) && minimum.status != SolveStatus::iteration_limit)
     return failed_estimate(minimum.status);

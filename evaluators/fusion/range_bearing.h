@@ -13,7 +13,7 @@
 namespace trilat {
 
 // Standard deviations of a sensor's position of a joint: along its ray, and in each of the two directions
-// across it. Positive; one of both may be infinite.
+// across it. Positive and finite.
 struct RaySigma {
   double range_m = kUsualRangeSigma_m;
   double bearing_m = kUsualRangeSigma_m;
@@ -45,12 +45,10 @@ std::string contradiction_in(const RangeBearingOptions& options);
 //   F(x) = sum ((r - |x - s|) / range_m)^2 + (|(I - u u^T)(x - s)| / bearing_m)^2,
 // s the sensor, r and u length and direction of its vector to the joint. The second term is the distance of x
 // from the sensor's ray: the part of |x - s| (u - e) across u, and as long as that across e = (x - s)/|x -
-// s|. Without bearings (infinite bearing_m) it is the trilateration of eq. 10 and done by solve_nonlinear();
-// without ranges (infinite range_m) it is triangulation, in closed form; with equal sigmas it differs from
-// the mean of the sensors' positions by second-order terms only. Bearings tell the sides of the sensors'
-// plane apart, so that there is no mirror image to choose from. Ends with converged (closed_form for
-// triangulation), iteration_limit, diverged, rank_deficient (rays without ranges that are all parallel),
-// no_observation, non_finite_input, or as solve_nonlinear(). `covariance` is the Cramer-Rao bound at the
+// s|. As bearing_m grows it becomes the trilateration of eq. 10, as range_m grows triangulation; with equal
+// sigmas it differs from the mean of the sensors' positions by second-order terms only. Bearings tell the
+// sides of the sensors' plane apart, so that there is no mirror image to choose from. Ends with converged,
+// iteration_limit, diverged, no_observation or non_finite_input. `covariance` is the Cramer-Rao bound at the
 // position, in m^2: (sum (e e^T / range_m^2 + (I - e e^T) / bearing_m^2))^-1. InternalError when
 // contradiction_in(options).
 [[nodiscard]] PointEstimate solve_range_bearing(std::span<const JointObservation> observations,

@@ -79,9 +79,9 @@ struct DescentBatch {
   bool one_rig = false;             // the sensors stand alike for all lanes: sensor_m has one lane
   LaneRows sensor_m;                // 3 rows a sensor: x, y, z in the world
   LaneRows range_m;                 // a row a sensor
-  LaneRows weight;                  // a row a sensor: inverse variance, 0 when it does not see the joint
+  LaneRows weight;                  // a row a sensor: 1, or 0 when it does not see the joint
   LaneRows position_m;              // x, y, z: the start, then the end
-  LaneRows cost_m2;                 // sum of weight * squared residual at the end
+  LaneRows cost_m2;                 // sum of squared residuals at the end
   LaneRows iterations;              // steps tried
   std::vector<SolveStatus> status;  // converged, iteration_limit, rank_deficient or diverged
 
@@ -115,7 +115,7 @@ struct DescentPair {
     for (int i = 0; i < problem.count; ++i) {
       for (int axis = 0; axis < 3; ++axis) sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
       range_m[i][lane] = problem.range_m[i];
-      weight[i][lane] = problem.weight[i];
+      weight[i][lane] = 1.0;
     }
     for (int axis = 0; axis < 3; ++axis) position_m[axis][lane] = start_m[axis];
   }

@@ -23,7 +23,6 @@ RangeProblem only(const RangeProblem& problem, const std::array<int, 3>& sensors
       if (problem.rig_index[i] != sensor || three.count == 3) continue;
       three.sensor_m[three.count] = problem.sensor_m[i];
       three.range_m[three.count] = problem.range_m[i];
-      three.weight[three.count] = problem.weight[i];
       three.rig_index[three.count] = sensor;
       ++three.count;
     }

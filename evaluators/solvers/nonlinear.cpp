@@ -86,7 +86,7 @@ void fill_lane(DescentBatch& batch, std::size_t lane, const RangeProblem& proble
     for (int axis = 0; axis < 3; ++axis)
       batch.sensor_m.row(3 * row + static_cast<std::size_t>(axis))[lane] = problem.sensor_m[from][axis];
     batch.range_m.row(row)[lane] = problem.range_m[from];
-    batch.weight.row(row)[lane] = i < problem.count ? problem.weight[from] : 0.0;
+    batch.weight.row(row)[lane] = i < problem.count ? 1.0 : 0.0;
   }
   for (int axis = 0; axis < 3; ++axis)
     batch.position_m.row(static_cast<std::size_t>(axis))[lane] = start_m[axis];

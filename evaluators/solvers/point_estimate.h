@@ -20,8 +20,8 @@ enum class SolveStatus : std::uint8_t {
   mirror_ambiguous = 5,  // two solutions fit equally well and no hint is < 1/2 as far from one
   rank_deficient = 6,    // directions do not span space; each method states its inequality
   too_few_ranges = 7,    // fewer than 3 ranges, or not all of the sensors the setting names
-  non_finite_input = 8,  // a sensor, range, weight, hint or start is NaN or infinite
-  invalid_input = 9,     // range < 0 or weight <= 0
+  non_finite_input = 8,  // a sensor, range, hint or start is NaN or infinite
+  invalid_input = 9,     // range < 0
   diverged = 10,         // an iterate or its cost is not finite
   no_observation = 11,   // a baseline: no allowed sensor sees the joint; or nothing is given for it
   given = 12,            // by another method or system
@@ -45,12 +45,12 @@ struct PointEstimate {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
   SolveStatus status = SolveStatus::not_solved;
   int iterations = 0;     // steps tried, of all starts together
-  double cost_m2 = kNaN;  // sum of weight * (|x - sensor| - range)^2
+  double cost_m2 = kNaN;  // sum of (|x - sensor| - range)^2
   // Of the geometry at the position, whatever the method: sqrt(trace((U^T U)^-1)), U's rows the unit vectors
   // from the sensors; infinite when they do not span space, NaN without ranges.
   double gdop = kNaN;
-  // (U^T W U)^-1, the Cramer-Rao bound of unbiased normal ranges: m^2 when weights are inverse variances in
-  // 1/m^2, and times the range variance when they are 1. NaN when gdop is not finite.
+  // (U^T U)^-1: times the variance of a range it is the Cramer-Rao bound of unbiased normal ranges. The
+  // methods that know variances give the bound itself, in m^2. NaN when gdop is not finite.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(kNaN);
 };
 

@@ -50,7 +50,7 @@ PackedRanges packed(const RangeProblem& problem) {
     result.y_m[i / 2][i % 2] = problem.sensor_m[from].y();
     result.z_m[i / 2][i % 2] = problem.sensor_m[from].z();
     result.range_m[i / 2][i % 2] = problem.range_m[from];
-    result.weight[i / 2][i % 2] = i < problem.count ? problem.weight[from] : 0.0;
+    result.weight[i / 2][i % 2] = i < problem.count ? 1.0 : 0.0;
   }
   return result;
 }
@@ -61,22 +61,14 @@ PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_
   result.position_m = x_m;
   result.status = status;
   result.iterations = iterations;
-  PackedRanges ranges = packed(problem);
-  const RangeEquations equations = linearise(ranges, x_m);
+  const RangeEquations equations = linearise(packed(problem), x_m);
   result.cost_m2 = equations.cost_m2;
-  Symmetric3 unweighted = equations.normal;
-  if (std::any_of(problem.weight.begin(), problem.weight.begin() + problem.count,
-                  [](double weight) { return weight != 1.0; })) {
-    for (int i = 0; i < problem.count; ++i) ranges.weight[i / 2][i % 2] = 1.0;
-    unweighted = linearise(ranges, x_m).normal;
-  }
-  const Symmetric3 adjugate = unweighted.adjugate();
-  const double determinant = unweighted.determinant(adjugate);
+  const Symmetric3 adjugate = equations.normal.adjugate();
+  const double determinant = equations.normal.determinant(adjugate);
   result.gdop = std::numeric_limits<double>::infinity();
-  if (is_rank_deficient(unweighted, adjugate, determinant)) return result;
+  if (is_rank_deficient(equations.normal, adjugate, determinant)) return result;
   result.gdop = std::sqrt(adjugate.trace() / determinant);
-  const Symmetric3 inverse = equations.normal.adjugate();
-  result.covariance = inverse.matrix() / equations.normal.determinant(inverse);
+  result.covariance = adjugate.matrix() / determinant;
   return result;
 }
 

@@ -12,24 +12,24 @@
 
 namespace trilat {
 
-// Directions count as not spanning space when gdop^2 * sum of weights > 1 / kRankRatio, which bounds the
-// ratio of the smallest to the largest eigenvalue of J^T W J within a factor of 9. At 2 m from sensors in one
+// Directions count as not spanning space when gdop^2 * number of sensors > 1 / kRankRatio, which bounds the
+// ratio of the smallest to the largest eigenvalue of J^T J within a factor of 9. At 2 m from sensors in one
 // plane that is a joint within about 30 um of the plane.
 inline constexpr double kRankRatio = 1e-10;
 
 // Nearer than this to a sensor the direction to it is rounding: its row of J shrinks to zero.
 inline constexpr double kOnSensor_m = 1e-12;
 
-// F = sum w f^2, f = |x - s| - r, and its linearisation at x: rows of J are the unit vectors from the
+// F = sum f^2, f = |x - s| - r, and its linearisation at x: rows of J are the unit vectors from the
 // sensors. Metres.
 struct RangeEquations {
-  Symmetric3 normal;         // J^T W J
-  Eigen::Vector3d gradient;  // J^T W f, half the derivative of F
+  Symmetric3 normal;         // J^T J
+  Eigen::Vector3d gradient;  // J^T f, half the derivative of F
   double cost_m2;            // F
 };
 
 // A problem laid out for linearising many times: coordinates by axis and two sensors at a time. An odd count
-// is filled up with a sensor of weight 0.
+// is filled up with a sensor of weight 0; all others have 1.
 struct PackedRanges {
   int pairs = 0;
   std::array<Eigen::Array2d, kMaxSensors / 2> x_m, y_m, z_m, range_m, weight;
@@ -80,7 +80,7 @@ inline bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjuga
 }
 
 // The estimate at x with cost, gdop (infinite where the directions do not span space) and covariance, the
-// Cramer-Rao bound (J^T W J)^-1 where the weights are inverse variances (NaN where gdop is infinite).
+// Cramer-Rao bound (J^T J)^-1 of ranges with variance 1 (NaN where gdop is infinite).
 [[nodiscard]] PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
                                         SolveStatus status, int iterations);
 
@@ -89,7 +89,7 @@ inline bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjuga
 // problems", IEEE Trans. Signal Processing 56(5), 2008: a quadratic problem with one quadratic constraint,
 // whose multiplier is the one root of a decreasing function). With x = centroid + axes y and multiplier mu it
 // is y_j = c_j / (4 scatter_j + mu). When the sensors stand in one plane there are two, mirror images of each
-// other; this is the one on the side of the plane's normal. Weights are not used. `plane` is that of the
+// other; this is the one on the side of the plane's normal. `plane` is that of the
 // problem, not collinear.
 Eigen::Vector3d squared_range_position_m(const RangeProblem& problem, const SensorPlane& plane);
 

@@ -11,9 +11,9 @@ SolveStatus refusal_of(const RangeProblem& problem) {
   TRILAT_CHECK(problem.count >= 0 && problem.count <= kMaxSensors, "a problem holds its sensors");
   bool valid = true;
   for (int i = 0; i < problem.count; ++i) {
-    const double sum = problem.sensor_m[i].cwiseAbs().sum() + problem.range_m[i] + problem.weight[i];
+    const double sum = problem.sensor_m[i].cwiseAbs().sum() + problem.range_m[i];
     if (!std::isfinite(sum)) return SolveStatus::non_finite_input;
-    valid = valid && problem.range_m[i] >= 0.0 && problem.weight[i] > 0.0;
+    valid = valid && problem.range_m[i] >= 0.0;
   }
   if (problem.hint_m && !problem.hint_m->allFinite()) return SolveStatus::non_finite_input;
   if (!valid) return SolveStatus::invalid_input;

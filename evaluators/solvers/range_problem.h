@@ -18,8 +18,6 @@ struct RangeProblem {
   int count = 0;
   std::array<Eigen::Vector3d, kMaxSensors> sensor_m;  // world
   std::array<double, kMaxSensors> range_m;
-  // Inverse variance of the range; 1 everywhere when variances are not known.
-  std::array<double, kMaxSensors> weight{1, 1, 1, 1, 1, 1, 1, 1};
   // Which sensor of the rig the entry comes from. Settings that name a sensor mean this number, so that they
   // keep their meaning when another sensor does not see the joint.
   std::array<int, kMaxSensors> rig_index{0, 1, 2, 3, 4, 5, 6, 7};

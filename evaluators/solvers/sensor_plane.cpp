@@ -57,9 +57,7 @@ constexpr double kSameResidual_m = 1e-9;   // allows for rounding
 constexpr int kBetween = 32;               // steps from one descent's end to the other's
 
 double residual_rms_m(const RangeProblem& problem, double cost_m2) {
-  double weights = 0.0;
-  for (int i = 0; i < problem.count; ++i) weights += problem.weight[i];
-  return std::sqrt(cost_m2 / weights);
+  return std::sqrt(cost_m2 / problem.count);
 }
 
 // Whether F rises between two points above its value at both: a coarse stop rule leaves two descents into one

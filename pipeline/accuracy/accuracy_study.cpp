@@ -42,7 +42,6 @@ struct AccuracyRun {
   std::vector<std::vector<TakeInput>> inputs;     // by take, once its key was asked for
   std::vector<std::optional<ErrorTable>> tables;  // by take, of those that were evaluated
   std::vector<DeclaredParameter> parameters;      // of the simulator that made the campaign
-  StageClocks clocks;
 };
 
 void replace_all(std::string& text, const std::string& old, const std::string& with) {
@@ -79,7 +78,7 @@ TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const
   if (!planned.ok) throw InputError(planned.place, planned.problem);
   for (const TakeInput& input : run.inputs[t])
     if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
-  auto [result, table] = evaluate_take(run.plan, t, run.errors, run.cross_check, into, run.clocks, watch);
+  auto [result, table] = evaluate_take(run.plan, t, run.errors, run.cross_check, into, watch);
   run.files[t].check();
   run.tables[t] = std::move(table);
   result.inputs = run.inputs[t];
@@ -168,6 +167,15 @@ void leave_out_repeated(const Plan& plan, std::vector<TakeResult>& results) {
   }
 }
 
+// Adds how the truth moves and where nonlinear errs, of which the study's errors say nothing.
+void add_movement(const Plan& plan, const Outcome& outcome, TakeTable& table) {
+  const auto method =
+      std::ranges::find(plan.methods, std::string("nonlinear"), [](const Method& m) { return m.spec.name; });
+  if (method == plan.methods.end()) return;
+  table.movement = movement_of(StoredTake::open(outcome.folder / StoredTake::kName), table.errors,
+                               static_cast<std::size_t>(method - plan.methods.begin()), plan.study.rate_hz);
+}
+
 void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
   constexpr double kTakesShare = 0.8;  // of the progress
   std::vector<TakeResult> results;
@@ -177,7 +185,6 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     results.push_back(read_as<TakeResult>(JsonObject(outcome.json, outcome.place(), "")));
   }
   leave_out_repeated(run.plan, results);
-  const Stopwatch time(run.clocks.summarise_ns);
   std::vector<TakeTable> tables(results.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(tables.size(), 1, [&](std::size_t t) {
@@ -185,6 +192,8 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     const Take& take = run.plan.takes[t].take;
     if (results[t].evaluated)
       tables[t] = {take.id, take.participant, take.activity, errors_of_take(run, t, *of_take[t])};
+    if (results[t].evaluated && needs_movement(run.plan.study.name))
+      add_movement(run.plan, *of_take[t], tables[t]);
     watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
   });
   std::erase_if(tables, [](const TakeTable& table) { return table.id.empty(); });
@@ -199,6 +208,14 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   std::vector<AngleSums> angles;
   for (const TakeResult& result : results)
     angles.insert(angles.end(), result.tracking.angles.begin(), result.tracking.angles.end());
+  if (run.plan.rig.empty()) {
+    auto place = shown.tables.begin();
+    for (const std::string& condition : summary.conditions) {
+      Table table = files_table(summary, condition);
+      table.shown = Table::Shown::first;
+      place = std::next(shown.tables.insert(place, std::move(table)));
+    }
+  }
   for (Table& table : angle_tables(without_sets(summary), angles)) {
     if (run.plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
@@ -256,16 +273,6 @@ Json manifest_of_run(const AccuracyRun& run) {
                       {"inputs", inputs_json(run)}});
 }
 
-Json times_of(const StageClocks& clocks) {
-  const auto seconds = [](const std::atomic<std::int64_t>& ns) {
-    return static_cast<double>(ns.load()) * 1e-9;
-  };
-  return {{"read_s", seconds(clocks.read_ns)},
-          {"solve_s", seconds(clocks.solve_ns)},
-          {"write_s", seconds(clocks.write_ns)},
-          {"summarise_s", seconds(clocks.summarise_ns)}};
-}
-
 Item item_of_take(const std::shared_ptr<AccuracyRun>& run, std::size_t t) {
   const PlannedTake& planned = run->plan.takes[t];
   return {item_of(planned), cost_of(planned),
@@ -306,8 +313,7 @@ Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross
               .reduce = [run](const Outcomes& outcomes, const fs::path& folder,
                               const Watch& reading) { put_together(*run, outcomes, folder, reading); },
               .manifest = [run] { return manifest_of_run(*run); },
-              .hashes = hashes,
-              .times = [run] { return times_of(run->clocks); }};
+              .hashes = hashes};
   for (std::size_t t = 0; t < run->plan.takes.size(); ++t) study.items.push_back(item_of_take(run, t));
   return study;
 }

@@ -76,13 +76,8 @@ std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& plann
   return notes;
 }
 
-ErrorTable write_errors(StoredTake& file, const ErrorSettings& settings, StageClocks& clocks) {
-  ErrorTable errors;
-  {
-    const Stopwatch time(clocks.summarise_ns);
-    errors = errors_of(file, settings);
-  }
-  const Stopwatch time(clocks.write_ns);
+ErrorTable write_errors(StoredTake& file, const ErrorSettings& settings) {
+  ErrorTable errors = errors_of(file, settings);
   file.write_errors(errors);
   return errors;
 }
@@ -100,28 +95,6 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
   return head;
 }
 
-// The first part of a take as every sensor sees it, in the world.
-Replay replay_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
-  Replay replay;
-  replay.sensors = plan.rig;
-  replay.world_from_sensor = planned.world_from_sensor;
-  const auto most = static_cast<std::uint64_t>(kReplay_s * plan.study.rate_hz);
-  replay.reset(std::min<std::uint64_t>(most, data.time.size()), plan.rig.size());
-  std::size_t slot = 0;
-  for (std::uint64_t i = 0; i < replay.instants; ++i)
-    for (std::size_t s = 0; s < plan.rig.size(); ++s) {
-      const ObservedBody& body = data.bodies.at(i, s);
-      for (std::size_t j = 0; j < kJointCount; ++j, ++slot) {
-        if (!body.has(j)) continue;
-        const Eigen::Vector3d joint_m =
-            planned.world_from_sensor[s] * body.joint_in_sensor_m[j].cast<double>();
-        for (int axis = 0; axis < 3; ++axis)
-          replay.joint_m[slot * 3 + static_cast<std::size_t>(axis)] = static_cast<float>(joint_m[axis]);
-      }
-    }
-  return replay;
-}
-
 // A take as methods see it, and the joints that it brings.
 struct SeenTake {
   TakeData all;       // by all sensors; without sensors the instants and their truth alone
@@ -129,16 +102,11 @@ struct SeenTake {
   std::vector<MethodPaths> brought;
 };
 
-SeenTake see_session(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, const Watch& watch,
-                     TakeResult& result) {
+SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& watch, TakeResult& result) {
   const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
-  RecordedTake recorded;
-  {
-    const Stopwatch time(clocks.read_ns);
-    recorded = read_take(plan, planned, watch.stop_requested);
-  }
+  RecordedTake recorded = read_take(plan, planned, watch.stop_requested);
   SeenTake seen;
-  TakeData followed = follow_person(plan, planned, recorded, watch.stop_requested);
+  TakeData followed = follow_person(plan, planned, recorded);
   if (leaves_out) seen.followed = followed;
   seen.all = see_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, watch.stop_requested);
   result.tracking = tracking_of(plan, planned, seen.all);
@@ -149,8 +117,7 @@ SeenTake see_session(const Plan& plan, const PlannedTake& planned, StageClocks& 
 }
 
 // A take without a session: its truth, and what it brings.
-SeenTake see_points(const Plan& plan, const PlannedTake& planned, StageClocks& clocks, TakeResult& result) {
-  const Stopwatch time(clocks.read_ns);
+SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& result) {
   SeenTake seen;
   TakeData& data = seen.all;
   data.heading_rad.assign(planned.instants, std::numeric_limits<float>::quiet_NaN());
@@ -170,9 +137,7 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, StageClocks& c
     note(planned.take.mapping, std::move(text));
   if (planned.truth_has_z_up)
     note(mocap,
-         "has its z axis up: all files of the take are turned so that y is up, and x, y, z of the tables are "
-         "the files' x, z, -y");
-  if (!planned.level) note(mocap, "neither states nor shows which axis is up: its own axes are used");
+         "has its z axis up, as stated: x, y, z of the tables are the x, z, -y of all files of the take");
   seen.brought = paths_brought(plan, planned, data, result.notes);
   return seen;
 }
@@ -180,25 +145,24 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, StageClocks& c
 }  // namespace
 
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch) {
+                            const std::filesystem::path& folder, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
   EvaluatedTake evaluated;
   TakeResult& result = evaluated.result;
   const bool has_sensors = !plan.rig.empty();
-  const SeenTake seen = has_sensors ? see_session(plan, planned, clocks, watch, result)
-                                    : see_points(plan, planned, clocks, result);
+  const SeenTake seen =
+      has_sensors ? see_session(plan, planned, watch, result) : see_points(plan, planned, result);
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
   const auto solve = [&](std::size_t track, const TakeData& data, auto& sums) {
     const double share = 1.0 / static_cast<double>(file.head().tracks.size());
     const Watch part{watch.stop_requested,
                      share_of(watch.progress, share * static_cast<double>(track), share)};
     result.checks.resize(cross_check ? checked_methods(plan).size() : 0);
-    const std::vector<TakeCheck> checks = solve_take(plan, planned, data, seen.brought, cross_check, clocks,
-                                                     part, [&](const SampleBlock& block) {
-                                                       sums.add(block);
-                                                       const Stopwatch time(clocks.write_ns);
-                                                       file.write(track, block);
-                                                     });
+    const std::vector<TakeCheck> checks =
+        solve_take(plan, planned, data, seen.brought, cross_check, part, [&](const SampleBlock& block) {
+          sums.add(block);
+          file.write(track, block);
+        });
     for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
   };
   if (planned.truth == TakeTruth::left_out_sensor) {
@@ -209,25 +173,13 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
     }
   } else {
     AngleErrors angles(file.head(), planned.take.participant, planned.level);
-    if (angles.lacks_up() && !has_sensors)
-      result.notes.push_back(
-          {planned.take.id, false, planned.take.mocap.string(),
-           "trunk inclination is left out, which needs the axis that points up; say which it is"});
     solve(0, seen.all, angles);
     result.tracking.angles = angles.sums();
   }
-  evaluated.errors = write_errors(file, errors, clocks);
-  if (has_sensors && is_replayed(plan, take)) file.write_replay(replay_of(plan, planned, seen.all));
+  evaluated.errors = write_errors(file, errors);
   file.finish();
   result.evaluated = true;
   return evaluated;
-}
-
-bool is_replayed(const Plan& plan, std::size_t take) {
-  const auto first = std::ranges::find_if(plan.takes, [&](const PlannedTake& other) {
-    return other.ok && other.take.activity == plan.takes[take].take.activity;
-  });
-  return first == plan.takes.begin() + static_cast<std::ptrdiff_t>(take);
 }
 
 ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings) {
@@ -247,7 +199,6 @@ ErrorTable stored_errors(const ItemStore& store, const std::string& key, const E
     }
   errors = errors_of(there, settings);
   copy.write_errors(errors);
-  if (const std::optional<Replay> replay = there.read_replay()) copy.write_replay(*replay);
   copy.finish();
   store.put(aside.path() / "item", {item->id, item->key, item->outcome, {}});
   return errors;

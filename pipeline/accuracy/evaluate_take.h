@@ -23,13 +23,10 @@ struct EvaluatedTake {
 // Sends one take through every method and writes its take.h5 into `folder`. Throws Interrupted when asked to
 // stop.
 EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                            const std::filesystem::path& folder, StageClocks& clocks, const Watch& watch);
+                            const std::filesystem::path& folder, const Watch& watch);
 
 // The errors of a take that is an item. Where they were made with other settings they are made again from its
 // samples, and the item is replaced. InputError when there is no such item.
 ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings);
-
-// Whether this is the first take of its condition that can be evaluated, by the plan.
-bool is_replayed(const Plan& plan, std::size_t take);
 
 }  // namespace trilat

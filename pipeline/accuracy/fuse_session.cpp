@@ -37,8 +37,7 @@ Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& 
 
 void solve(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
   const bool has_sigma = plan.methods[0].spec.kind == &method_kind("range_bearing");
-  StageClocks clocks;
-  solve_take(plan, plan.takes[0], data, {}, false, clocks, watch, [&](const SampleBlock& block) {
+  solve_take(plan, plan.takes[0], data, {}, false, watch, [&](const SampleBlock& block) {
     const std::size_t first = block.first_instant * plan.joints.size();
     for (std::size_t k = 0; k < block.status.size(); ++k) {
       FusedPoint& point = fused.points[first + k];

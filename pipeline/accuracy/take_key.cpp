@@ -25,7 +25,7 @@ Json json_of(const Take& take, std::span<const TakeInput> inputs) {
             {"participant", participant},
             {"activity", activity},
             {"mocap_start_host_ns", mocap_start_host_ns},
-            {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis))}};
+            {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis.value_or(UpAxis::y)))}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
   for (const BroughtJoints& one : joints) {
     Json points = Json::object();
@@ -77,7 +77,6 @@ std::string key_of_take(const Plan& plan, std::size_t take, std::span<const Take
                  {"brought", brought},
                  {"cross_check", cross_check},
                  {"judges_places", judges_places(plan.study)},
-                 {"replayed", is_replayed(plan, take)},
                  {"take", json_of(plan.takes[take].take, inputs)}});
 }
 

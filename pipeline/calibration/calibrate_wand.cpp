@@ -39,7 +39,6 @@ WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
   CalibrateWandOptions options = given;
   std::vector<std::filesystem::path> others;  // besides the recordings
   if (options.world) others.push_back(options.world->mocap);
-  for (const auto& [name, file] : options.intrinsics) others.push_back(file);
   WatchedFiles watched(files);
   for (const std::filesystem::path& file : others) watched.add(file);
   const std::vector<SessionReader> sessions(files.begin(), files.end());

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/calibration/opencv_intrinsics.h"
 #include "datasets/session/clock/session_clock.h"
 #include "pipeline/study/parallel.h"
 
@@ -49,15 +48,13 @@ void search(const SessionReader& session, const SearchedSensor& sensor, const Wa
 }
 
 // Sightings in all depth frames, sensor by sensor in their order.
-std::vector<SearchedBlock> search_all(const SessionReader& session,
-                                      const std::vector<DepthIntrinsics>& intrinsics,
-                                      const WandSearchOptions& options) {
+std::vector<SearchedBlock> search_all(const SessionReader& session, const WandSearchOptions& options) {
   std::vector<SearchedSensor> sensors(session.header().sensors.size());
   std::vector<SearchedBlock> blocks;
   std::uint64_t all = 0;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     const std::uint64_t frames = session.counts(s).depth_frames;
-    sensors[s] = {depth_rays(intrinsics[s]), fit_sensor_clock(session, s)};
+    sensors[s] = {depth_rays(session.header().sensors[s].intrinsics), fit_sensor_clock(session, s)};
     for (std::uint64_t first = 0; first < frames; first += kBlock)
       blocks.push_back({s, first, std::min(kBlock, frames - first), {}, {}});
     all += frames;
@@ -79,10 +76,9 @@ void add_rests(SensorEvidence& evidence, const std::vector<RestingBall>& rests) 
   }
 }
 
-void add_recording(WandViews& views, const SessionReader& session,
-                   const std::vector<DepthIntrinsics>& intrinsics, const ViewWandOptions& options) {
+void add_recording(WandViews& views, const SessionReader& session, const ViewWandOptions& options) {
   std::vector<std::vector<TimedSighting>> found(views.evidence.size());
-  for (const SearchedBlock& block : search_all(session, intrinsics, options.search)) {
+  for (const SearchedBlock& block : search_all(session, options.search)) {
     SensorEvidence& evidence = views.evidence[block.sensor];
     evidence.frames += block.count;
     for (const auto& [status, count] : block.statuses) evidence.statuses[status] += count;
@@ -125,23 +121,6 @@ void check_depth(const SessionReader& session) {
   }
 }
 
-// The session's own, but for the sensors that have a file.
-std::vector<DepthIntrinsics> intrinsics_of(const SessionReader& session, const ViewWandOptions& options) {
-  std::vector<DepthIntrinsics> intrinsics;
-  const std::vector<SensorDescription>& sensors = session.header().sensors;
-  for (const SensorDescription& sensor : sensors) intrinsics.push_back(sensor.intrinsics);
-  for (const auto& [name, file] : options.intrinsics) {
-    const std::size_t sensor = session.sensor_index(name);
-    for (const SensorDescription& other : sensors)
-      if (other.name != name && file.parent_path().filename() == other.serial)
-        throw InputError(file.string(), "lies in the folder of serial " + other.serial +
-                                            ", which is sensor \"" + other.name + "\", not \"" + name + '"');
-    intrinsics[sensor] =
-        read_opencv_intrinsics(file, intrinsics[sensor].width_px, intrinsics[sensor].height_px);
-  }
-  return intrinsics;
-}
-
 bool are_of_one_rig(const SessionReader& a, const SessionReader& b) {
   return std::ranges::equal(a.header().sensors, b.header().sensors, {}, &SensorDescription::name,
                             &SensorDescription::name);
@@ -150,19 +129,17 @@ bool are_of_one_rig(const SessionReader& a, const SessionReader& b) {
 }  // namespace
 
 WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options) {
-  std::vector<std::vector<DepthIntrinsics>> intrinsics;  // of all, before minutes of work
-  for (const SessionReader& session : sessions) {
+  for (const SessionReader& session : sessions) {  // all of them before minutes of work
     check_depth(session);
     if (!are_of_one_rig(sessions.front(), session))
       throw InputError(session.path().string(),
                        "has other sensors than the first session; all recordings must be of one rig");
-    intrinsics.push_back(intrinsics_of(session, options));
   }
   WandViews views;
   for (const SensorDescription& sensor : sessions.front().header().sensors)
     views.evidence.push_back({.name = sensor.name, .statuses = {}});
   for (std::size_t r = 0; r < sessions.size(); ++r) {
-    add_recording(views, sessions[r], intrinsics[r], options);
+    add_recording(views, sessions[r], options);
     if (r == 0) views.positions_of_first = views.positions.size();
   }
   return views;

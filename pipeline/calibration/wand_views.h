@@ -47,13 +47,11 @@ struct WandViews {
 struct ViewWandOptions {
   WandSearchOptions search;
   WandPositionOptions positions;
-  std::vector<std::pair<std::string, std::filesystem::path>> intrinsics =
-      {};  // of a sensor, instead of its own
 };
 
 // Where the wand was held in recordings of one rig, by all their depth frames. The result does not depend on
-// the number of threads. InputError names the sensor that has no depth or other images, the recording with
-// other sensors than the first, or the intrinsics file that cannot be this sensor's.
+// the number of threads. InputError names the sensor that has no depth or other images, and the
+// recording with other sensors than the first.
 WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options);
 
 // One entry a sensor.

@@ -213,59 +213,78 @@ Measurements ErrorMeasures::places(const std::string& method, const ErrorPlace& 
            .over = errors[0]->clusters()}};
 }
 
-Measurements ErrorMeasures::abrupt(const std::string& method) const {
-  const std::vector<std::size_t> methods = methods_of(method), groups = groups_of({});
-  if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
+namespace {
+
+// Numbers the clusters that the intervals of a condition are made of.
+class ClusterNumbers {
+ public:
+  explicit ClusterNumbers(const ConditionErrors& errors) : kind_(errors.clusters()) {}
+  std::size_t of(const TakeTable& take, std::uint32_t block) {
+    const std::string name = kind_ == "participants" ? take.participant
+                             : kind_ == "takes"      ? take.id
+                                                     : std::to_string(block);
+    return numbers_.try_emplace(name, numbers_.size()).first->second;
+  }
+
+ private:
+  std::string kind_;
+  std::map<std::string, std::size_t> numbers_;
+};
+
+}  // namespace
+
+std::vector<ErrorMeasures::Movement> ErrorMeasures::movement(const std::vector<std::size_t>& groups) const {
+  const ConditionErrors& errors = in("walking");
+  std::vector<Movement> all(groups.size());
+  ClusterNumbers clusters(errors);
+  for (const TakeTable* take : errors.takes())
+    for (const MovementRow& row : take->movement) {
+      const auto g = std::ranges::find(groups, errors_.axes().group_of(row)) - groups.begin();
+      if (g == std::ssize(groups)) continue;
+      Movement& sums = all[static_cast<std::size_t>(g)];
+      const std::size_t cluster = clusters.of(*take, row.block);
+      sums.abrupt_m.add(cluster, row.abrupt_m, row.abrupt);
+      sums.calm_m.add(cluster, row.calm_m, row.calm);
+      sums.speed_m_s += row.speed_m_s;
+      sums.speeds += row.speeds;
+    }
+  return all;
+}
+
+Measurements ErrorMeasures::abrupt() const {
+  const std::vector<std::size_t> groups = groups_of({});
   if (groups.empty()) return lacking(lacking_joints("walking"));
-  const ConditionErrors &all = in("walking"), &abrupt = in("walking", Subset::abrupt);
+  const std::size_t clusters = in("walking").cluster_count();
   const double weight = 1.0 / static_cast<double>(groups.size());
   Contrast contrast;
-  for (const std::size_t g : groups) {
-    const WeightedRatio larger =
-        abrupt.cell(g, methods.front(), 0).length_m.ratio(all.cluster_count(), weight);
-    WeightedRatio rest = all.cell(g, methods.front(), 0).length_m.ratio(all.cluster_count(), weight);
-    for (std::size_t c = 0; c < rest.numerator.size(); ++c) {
-      rest.numerator[c] -= larger.numerator[c];
-      rest.denominator[c] -= larger.denominator[c];
-    }
-    contrast.base.push_back(rest);
-    rest.weight = -weight;
-    contrast.value.push_back(larger);
-    contrast.value.push_back(rest);
+  for (const Movement& one : movement(groups)) {
+    contrast.base.push_back(one.calm_m.ratio(clusters, weight));
+    contrast.value.push_back(one.abrupt_m.ratio(clusters, weight));
+    contrast.value.push_back(one.calm_m.ratio(clusters, -weight));
   }
   const ContrastEstimate estimate = solve_contrast(contrast);
-  if (!std::isfinite(estimate.value)) return lacking(silence_of(method));
-  return {{.what = fmt::format("{}: the half of each joint's samples with the larger acceleration", method),
+  if (!std::isfinite(estimate.value)) return lacking("a study with nonlinear");
+  return {{.what = "nonlinear: the half of each joint's samples with the larger acceleration",
            .unit = "%",
            .number = estimate,
-           .over = all.clusters()}};
+           .over = in("walking").clusters()}};
 }
 
 Measurements ErrorMeasures::clock_cost(const std::string& method, double clock_s) const {
   const std::vector<std::size_t> methods = methods_of(method), groups = groups_of({});
   if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
   if (groups.empty()) return lacking(lacking_joints("walking"));
+  const std::vector<Movement> all = movement(groups);
+  const auto fastest = std::ranges::max_element(all, {}, &Movement::mean_speed_m_s);
+  const double most_m_s = fastest->mean_speed_m_s();
+  const std::size_t group = groups[static_cast<std::size_t>(fastest - all.begin())];
   const ConditionErrors& errors = in("walking");
-  std::size_t fastest = groups.front();
-  double most_m_s = 0.0;
-  for (const std::size_t g : groups) {
-    double speed_m_s = 0.0, n = 0.0;
-    for (const TakeTable* take : errors.takes())
-      for (const TruthRow& row : take->errors.truth)
-        if (errors_.axes().group_of(row) == g) {
-          speed_m_s += row.speed_m_s;
-          n += row.speeds;
-        }
-    if (!(speed_m_s / n > most_m_s)) continue;
-    most_m_s = speed_m_s / n;
-    fastest = g;
-  }
-  const WeightedRatio error = errors.cell(fastest, methods.front(), 0).length_m.ratio(errors.cluster_count());
+  const WeightedRatio error = errors.cell(group, methods.front(), 0).length_m.ratio(errors.cluster_count());
   WeightedRatio way = error;
   for (std::size_t c = 0; c < way.numerator.size(); ++c)
     way.numerator[c] = clock_s * most_m_s * way.denominator[c];
   return {{.what = fmt::format("{:g} ms at {:.2f} m/s against the error of {}, {}", 1e3 * clock_s, most_m_s,
-                               method, errors_.axes().groups[fastest]),
+                               method, errors_.axes().groups[group]),
            .unit = "%",
            .number = solve_contrast({{way}, {error}}),
            .over = errors.clusters()}};

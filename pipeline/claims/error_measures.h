@@ -35,14 +35,22 @@ class ErrorMeasures {
   Measurements difference(const Comparison& comparison) const;
   // The method's error at `place` against that at another: (place - other) / other.
   Measurements places(const std::string& method, const ErrorPlace& place, const ErrorPlace& other) const;
-  // The method's error in the half of each joint's instants with the larger acceleration, against the rest.
-  Measurements abrupt(const std::string& method) const;
+  // The error of nonlinear in the half of each joint's samples with the larger acceleration, against the
+  // rest.
+  Measurements abrupt() const;
   // How far the fastest of the joints goes in that time, in shares of the method's error there.
   Measurements clock_cost(const std::string& method, double clock_s) const;
   // Errors of the right wrist's height, which the paper's figure shows: the largest in a take, and the mean.
   Measurements wrist_deviation(const std::string& method) const;
 
  private:
+  // How the truth of a joint group moves, and the errors in either half of its samples.
+  struct Movement {
+    ClusterSums abrupt_m, calm_m;
+    double speed_m_s = 0.0, speeds = 0.0;
+    double mean_speed_m_s() const { return speeds > 0.0 ? speed_m_s / speeds : 0.0; }
+  };
+  std::vector<Movement> movement(const std::vector<std::size_t>& groups) const;
   const ConditionErrors& in(const std::string& condition, Subset subset = Subset::all) const;
   std::vector<std::size_t> methods_of(const std::string& name) const;
   std::vector<std::size_t> groups_of(const ErrorPlace& place) const;

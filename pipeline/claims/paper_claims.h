@@ -47,6 +47,9 @@ std::span<const ErratumEffect> erratum_effects();
 // Whether results of the study with this name are what `study` of a claim asks for.
 bool is_evidence(const std::string& study, const std::string& name);
 
+// Whether claims that are judged by results of this study ask how its truth moves (TakeTable::movement).
+bool needs_movement(const std::string& study);
+
 // Every number that a study's results bear on, of claims and errata, as it is stored with them.
 std::vector<ClaimNumber> claims_of(const StudyErrors& errors);
 std::vector<ClaimNumber> claims_of(const SweepSummary& summary);

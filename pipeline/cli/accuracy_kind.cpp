@@ -8,12 +8,9 @@
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
-#include "pipeline/accuracy/tracking_summary.h"
-#include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/kinds.h"
-#include "reports/render/render.h"
+#include "pipeline/cli/print_stored.h"
 
 namespace trilat {
 namespace {
@@ -85,8 +82,10 @@ void print_cross_check(const ResultsSummary& summary) {
                                                  : fmt::format("DISAGREES (limit {:g} m)", c.limit_m);
     fmt::print(
         stderr,
-        "cross-check of \"{}\" with Ceres: {} samples, worst {:.3g} m at {}, {} answered by one only: {}\n",
-        c.method, c.samples, c.worst_m, c.worst_at.empty() ? "none" : c.worst_at, c.disagreements, verdict);
+        "cross-check of \"{}\" with Ceres: {} samples, worst {:.3g} m at {}, {} answered by one only, {} "
+        "objectives lost: {}\n",
+        c.method, c.samples, c.worst_m, c.worst_at.empty() ? "none" : c.worst_at, c.disagreements, c.lost,
+        verdict);
   }
 }
 
@@ -143,7 +142,6 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
   print_notes(summary.notes);
   print_cross_check(summary);
   const bool passed = summary.cross_checks.empty() || summary.cross_check_passed();
-  const auto tracking = read_beside<TrackingSummary>(results);
   if (shown.json) {
     document["results"] = results.string();
     document["takes"] = summary.takes;
@@ -154,15 +152,7 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
     document["warnings"] = accuracy_warnings(summary);
     fmt::print("{}\n", json_text(document, 2));
   } else {
-    if (shown.tables)
-      for (const Table& table : accuracy_tables(without_sets(summary)))
-        fmt::print("{}\n", markdown_of(table));
-    else
-      fmt::print("{}", outcome_text(without_sets(summary)));
-    if (tracking && (shown.tables || summary.left_out()))
-      for (const Table& table : prediction_tables(*tracking)) fmt::print("{}\n", markdown_of(table));
-    if (tracking && shown.tables)
-      for (const RayRow& row : tracking->rays) fmt::print("{}: {}\n", row.take, ray_text(row));
+    print_stored(results, shown.tables);
     fmt::print("results: {}\n", results.string());
     if (!shown.tables)
       fmt::print("next: trilat report {} -o report; --tables prints all tables here\n", results.string());

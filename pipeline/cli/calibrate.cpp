@@ -31,7 +31,6 @@ struct CalibrateArguments {
   std::string method = "wand";
   std::filesystem::path from;  // of bodies: the calibration that is corrected; empty: none
   std::optional<double> ball_radius_m;
-  std::vector<std::string> intrinsics;  // SENSOR=FILE
   std::filesystem::path mocap;
   std::string asset;
   std::optional<std::int64_t> mocap_start_host_ns;
@@ -145,23 +144,10 @@ void print_calibration(const Calibration& calibration, const std::vector<SensorE
   fmt::print("{}\n", json_text(document, 2));
 }
 
-std::vector<std::pair<std::string, std::filesystem::path>> named_files(
-    const std::vector<std::string>& entries) {
-  std::vector<std::pair<std::string, std::filesystem::path>> result;
-  for (const std::string& entry : entries) {
-    const std::size_t equals = entry.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size())
-      throw InputError("--intrinsics " + entry, "must be SENSOR=FILE, as in k1=calib_ir.yaml");
-    result.emplace_back(entry.substr(0, equals), entry.substr(equals + 1));
-  }
-  return result;
-}
-
 CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const Watch& watch) {
   CalibrateWandOptions options;
   if (arguments.ball_radius_m) options.search.find.ball_radius_m = *arguments.ball_radius_m;
   options.search.watch = watch;
-  options.intrinsics = named_files(arguments.intrinsics);
   options.depth_correction = !arguments.no_depth_correction;
   options.movement_m = arguments.movement_m;
   if (arguments.movement_sigma_m) options.movement_sigma_m = *arguments.movement_sigma_m;
@@ -184,7 +170,6 @@ void refuse_ignored(const CalibrateArguments& a) {
   };
   if ((bodies || two) && !a.mocap.empty()) refuse("--mocap");
   if (!bodies && !a.from.empty()) refuse("--from");
-  if (bodies && !a.intrinsics.empty()) refuse("--intrinsics");
   if (bodies && a.movement_m) refuse("--movement-m");
   if (bodies && a.movement_sigma_m) refuse("--movement-sigma-m");
   if (bodies && a.ball_radius_m) refuse("--ball-radius-m");
@@ -206,7 +191,6 @@ std::vector<std::filesystem::path> inputs_of(const CalibrateArguments& arguments
   std::vector<std::filesystem::path> inputs = arguments.sessions;
   inputs.push_back(arguments.mocap);
   inputs.push_back(arguments.from);
-  for (const auto& [sensor, file] : named_files(arguments.intrinsics)) inputs.push_back(file);
   return inputs;
 }
 
@@ -239,9 +223,7 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
 
 int calibrate(const CalibrateArguments& arguments) {
   refuse_ignored(arguments);
-  check_output_file({arguments.output, inputs_of(arguments), arguments.force},
-                    is_calibration_of(arguments.output, inputs_of(arguments)),
-                    "exists and is not a calibration of these recordings");
+  check_output_file({arguments.output, inputs_of(arguments), arguments.force});
   Calibrated outcome;
   on_threads(arguments.threads, [&](int) { outcome = calibrate_by(arguments); });
   write_calibration(arguments.output, outcome.calibration);
@@ -270,9 +252,8 @@ void add_calibrate(CLI::App& app, int& code) {
                   "bodies: this calibration.json, its sensors turned and shifted as the bodies show");
   verb.add_option("--ball-radius-m", a.ball_radius_m, "radius of the wand's ball; else 0.075")
       ->check(CLI::Range(0.02, 0.3));
-  verb.add_option(
-      "--intrinsics", a.intrinsics,
-      "SENSOR=FILE: an OpenCV calibration (YAML) instead of the session's intrinsics; may be repeated");
+  removed_option(verb, "--intrinsics",
+                 "write them into the session: docs/how-to/calibrate.md has the three lines of h5py");
   verb.add_option("--mocap", a.mocap, "OptiTrack export of the wand: poses come out in OptiTrack's world");
   verb.add_option("--asset", a.asset, "asset of the export whose position is the ball's centre");
   verb.add_option("--mocap-start-host-ns", a.mocap_start_host_ns,

@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <map>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
@@ -127,49 +124,13 @@ void mark_output(const fs::path& folder, const OutputMark& mark) {
   if (json != before) write_file(folder / "run.json", json.dump(1) + "\n");
 }
 
-void check_output_file(const PlannedOutput& output, bool is_own, const char* else_it) {
+void check_output_file(const PlannedOutput& output, bool is_own) {
   refuse_inputs(output, is_own);
   check_output_file(output.path);
   if (!fs::exists(fs::symlink_status(output.path)) || is_own) return;
   if (fs::exists(output.path) && fs::is_other(output.path))
     throw InputError(output.path.string(), "is a device, a pipe or a socket, and no file");
-  if (!output.force) refuse(output.path, else_it);
-}
-
-void refuse_other_takes(const fs::path& results, const Campaign& campaign, bool force) {
-  const Json manifest = document(results / "manifest.json", "trilat.manifest");
-  if (force || manifest.empty()) return;
-  std::map<std::pair<std::string, std::string>, std::string> hashes;  // by take and role
-  for (const Json& input : manifest.value("inputs", Json::array()))
-    if (input.contains("sha256") && input["sha256"].is_string())
-      hashes[{input.value("take", ""), input.value("role", "")}] = input["sha256"];
-  const auto is_equal = [&](const Take& take, const char* role, const fs::path& file) {
-    const auto known = hashes.find({take.id, role});
-    return known != hashes.end() && fs::is_regular_file(file) && hash_of_file(file) == known->second;
-  };
-  // small files first, so that the large ones are rarely read
-  for (const auto& [role, member] : {std::pair{"mapping", &Take::mapping},
-                                     {"calibration", &Take::calibration},
-                                     {"mocap", &Take::mocap},
-                                     {"session", &Take::session}})
-    for (const Take& take : campaign.takes)
-      if (is_equal(take, role, take.*member)) return;
-  refuse(results, "holds results of another campaign that is called \"" + campaign.name + "\", too");
-}
-
-void refuse_real_campaign(const fs::path& folder, bool force) {
-  const Json campaign = document(folder / "campaign.json", "trilat.campaign");
-  if (!force && !campaign.empty() && campaign.value("simulated", Json()) != true)
-    refuse(folder, "holds a campaign that was not simulated");
-}
-
-bool is_calibration_of(const fs::path& calibration, const std::vector<fs::path>& inputs) {
-  const Json json = document(calibration, "trilat.calibration");
-  std::set<std::string> sources;
-  for (const Json& source : json.value("sources", Json::array())) sources.insert(source.value("sha256", ""));
-  return json.contains("program") && std::ranges::any_of(inputs, [&](const fs::path& input) {
-           return fs::is_regular_file(input) && sources.contains(hash_of_file(input));
-         });
+  if (!output.force) refuse(output.path, "exists");
 }
 
 bool begins_with(const fs::path& file, const std::string& part) {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/take/campaign.h"
 
 namespace trilat {
 
@@ -34,20 +33,9 @@ void check_output_folder(const PlannedOutput& output, const OutputMark& mark);
 // Marks the folder, which is made where there is none.
 void mark_output(const std::filesystem::path& folder, const OutputMark& mark);
 
-// The same of a file, which has to be absent, unless `force` or the verb knows it as its own of the same
-// inputs.
-// `else_it`: what it says of another file.
-void check_output_file(const PlannedOutput& output, bool is_own = false, const char* else_it = "exists");
+// The same of a file, which has to be absent, unless `force` or the verb knows it as its own.
+void check_output_file(const PlannedOutput& output, bool is_own = false);
 
-// InputError unless `force` where the folder holds results of another campaign of the same name: without a
-// common take, or with no input of equal SHA-256.
-void refuse_other_takes(const std::filesystem::path& results, const Campaign& campaign, bool force);
-// The same where a campaign there says that it was not simulated.
-void refuse_real_campaign(const std::filesystem::path& folder, bool force);
-
-// Whether a calibration that this program made was made of one of these files.
-bool is_calibration_of(const std::filesystem::path& calibration,
-                       const std::vector<std::filesystem::path>& inputs);
 // Whether a file is not there, is empty, or begins with a text that has `part`.
 bool begins_with(const std::filesystem::path& file, const std::string& part);
 

@@ -2,7 +2,6 @@
 // `trilat compare`: joints that any method or system gave, against motion capture.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/cli/check_output.h"
+#include "pipeline/cli/print_stored.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
@@ -22,7 +22,7 @@ namespace {
 struct CompareArguments {
   std::filesystem::path truth, mapping, output = "out/compare";
   std::vector<std::filesystem::path> files;
-  std::string up = "auto";
+  std::string up;
   bool clock_by_motion = false, force = false, json = false;
   int threads = 0;
 };
@@ -34,7 +34,8 @@ Campaign campaign_of(const CompareArguments& a) {
   take.activity = take.id;
   take.mocap = a.truth;
   take.mapping = a.mapping;
-  take.up_axis = static_cast<UpAxis>(std::ranges::find(kUpAxisNames, a.up) - kUpAxisNames.begin());
+  if (!a.up.empty())
+    take.up_axis = static_cast<UpAxis>(std::ranges::find(kUpAxisNames, a.up) - kUpAxisNames.begin());
   std::set<std::string> names;
   for (const std::filesystem::path& file : a.files) {
     const std::string name = file.stem().string();
@@ -68,67 +69,6 @@ StudySpec study_of(const CompareArguments& a) {
                      "compare", {});
 }
 
-// "+0.3" in centimetres; a dash where there is none.
-std::string cm_text(double cm, const char* sign = "") {
-  if (!std::isfinite(cm)) return "-";
-  const double shown = std::abs(cm) < 0.05 ? 0.0 : cm;
-  return *sign == '+' ? fmt::format("{:+.1f}", shown) : fmt::format("{:.1f}", shown);
-}
-
-// One method's row. Error and bias are means over the joints that it answers; left and right are one joint.
-struct ComparedRow {
-  std::string method, error;
-  std::uint64_t asked = 0, answered = 0;
-  std::size_t joints = 0;
-  double mae_m = 0.0;
-  std::array<double, 3> bias_m{};
-};
-
-ComparedRow row_of(const ResultsSummary& s, const std::string& method, const std::string& alignment) {
-  ComparedRow row;
-  row.method = method;
-  for (const SummaryCell& cell : s.cells) {
-    if (cell.method != method || cell.alignment != alignment || cell.group == kAverageGroup) continue;
-    row.asked += cell.asked;
-    row.answered += cell.answered;
-    if (cell.answered == 0) continue;
-    ++row.joints;
-    row.mae_m += cell.mae_m;
-    for (std::size_t axis = 0; axis < 3; ++axis) row.bias_m[axis] += cell.bias_m[axis];
-  }
-  const auto n = static_cast<double>(row.joints);
-  row.mae_m /= n;
-  for (double& bias_m : row.bias_m) bias_m /= n;
-  row.error = cm_text(kCentimetresPerMetre * row.mae_m);
-  const SummaryCell* all = find_cell(s, method, s.conditions.front(), average_group(s), alignment);
-  if (all && std::isfinite(all->mae_low_m))
-    row.error += fmt::format(" ({:.1f} to {:.1f})", kCentimetresPerMetre * all->mae_low_m,
-                             kCentimetresPerMetre * all->mae_high_m);
-  return row;
-}
-
-void print_tables(const ResultsSummary& s) {
-  std::size_t width = 6;
-  for (const std::string& method : s.methods) width = std::max(width, method.size());
-  for (const std::string& alignment : s.alignments) {
-    std::vector<ComparedRow> rows;
-    for (const std::string& method : s.methods) rows.push_back(row_of(s, method, alignment));
-    std::ranges::stable_sort(rows, {}, [](const ComparedRow& row) {
-      return row.joints == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
-    });
-    fmt::print("alignment {}, centimetres{}\n{:<{}}  {:>20}  {:>8}  {:>7} {:>7} {:>7}  {:>8}\n", alignment,
-               s.simulated ? ", simulated" : "", "method", width, "mean error", "answered", "bias x", "y",
-               "z", "joints");
-    for (const ComparedRow& row : rows) {
-      fmt::print("{:<{}}  {:>20}  {:>7.1f}%", row.method, width, row.error,
-                 100.0 * share_of(row.answered, row.asked));
-      for (const double bias_m : row.bias_m)
-        fmt::print(" {:>7}", cm_text(kCentimetresPerMetre * bias_m, "+"));
-      fmt::print("  {:>2} of {:>2}\n", row.joints, s.groups.size());
-    }
-  }
-}
-
 int compare(const CompareArguments& a) {
   const Campaign campaign = campaign_of(a);
   std::vector<std::filesystem::path> inputs = a.files;
@@ -152,7 +92,7 @@ int compare(const CompareArguments& a) {
     fmt::print("{}\n",
                json_text(Json{{"results", a.output.string()}, {"errors", json_of(summary.cells)}}, 2));
   else {
-    print_tables(summary);
+    print_stored(a.output);
     fmt::print("results: {}\nnext: trilat report {} -o report\n", a.output.string(), a.output.string());
   }
   return kDone;
@@ -168,9 +108,8 @@ void add_compare(CLI::App& app, int& code) {
   verb.add_option(
       "--mapping", a.mapping,
       "mapping.json of the truth's assets; without it the names that both files have are compared");
-  verb.add_option("--up", a.up, "the axis of the files that points up: y, z; else the person shows it")
-      ->check(CLI::IsMember(std::vector<std::string>(kUpAxisNames.begin(), kUpAxisNames.end())))
-      ->capture_default_str();
+  verb.add_option("--up", a.up, "the axis of the files that points up; y where it is not stated")
+      ->check(CLI::IsMember(std::vector<std::string>(kUpAxisNames.begin(), kUpAxisNames.end())));
   verb.add_flag("--clock-by-motion", a.clock_by_motion, "put each file at the start that its motion shows");
   verb.add_option("-o,--output", a.output, "results folder")->capture_default_str();
   add_threads(verb, a.threads);

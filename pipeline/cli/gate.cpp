@@ -20,7 +20,7 @@ namespace {
 
 struct GateArguments {
   std::filesystem::path results, baseline;
-  std::filesystem::path history, junit;  // or empty
+  std::filesystem::path history;  // or empty
   double smallest_percent = 1.0;
   std::optional<std::string> accept_reason;  // the results become the baseline
   bool force = false;                        // may replace what others wrote
@@ -110,7 +110,6 @@ int compare(const GateArguments& arguments, const std::string& time) {
   tonight.quiet = verdict == Verdict::quiet;
   for (const StudyVerdict& s : report.studies)
     if (s.state == StudyState::not_judged) tonight.not_judged.push_back(s.study);
-  if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit(report));
   if (!arguments.history.empty()) append_history(arguments.history, tonight);
   if (arguments.json)
     fmt::print("{}\n", json_text(gate_json(report), 1));
@@ -121,20 +120,10 @@ int compare(const GateArguments& arguments, const std::string& time) {
 
 int gate(const GateArguments& arguments) {
   const std::string time = time_now();
-  const std::pair<std::filesystem::path, const char*> outputs[] = {
-      {arguments.junit, "<testsuite name=\"trilat gate\""},
-      {arguments.history, "\"format\":\"trilat.history\""}};
-  for (const auto& [path, own] : outputs)
-    if (!path.empty())
-      check_output_file({path, {arguments.results, arguments.baseline}, arguments.force},
-                        begins_with(path, own));
-  if (arguments.accept_reason) return accept(arguments, time);
-  try {
-    return compare(arguments, time);
-  } catch (const InputError& error) {
-    if (!arguments.junit.empty()) write_file(arguments.junit, gate_junit_of_error(time, error.what()));
-    throw;
-  }
+  if (!arguments.history.empty())
+    check_output_file({arguments.history, {arguments.results, arguments.baseline}, arguments.force},
+                      begins_with(arguments.history, "\"format\":\"trilat.history\""));
+  return arguments.accept_reason ? accept(arguments, time) : compare(arguments, time);
 }
 
 }  // namespace
@@ -148,7 +137,7 @@ void add_gate(CLI::App& app, int& code) {
   verb.add_option("--smallest-effect", a.smallest_percent, "percent; smaller changes are no alarm")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  verb.add_option("--junit", a.junit, "also write the verdict as JUnit XML to this file");
+  removed_option(verb, "--junit", "the exit code, the text and --json say the verdict");
   verb.add_option("--accept", a.accept_reason,
                   "make these results the baseline, for the reason given, and compare nothing");
   add_force(verb, a.force);

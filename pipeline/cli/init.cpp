@@ -225,12 +225,14 @@ void add_mapping(const InitArguments& arguments, Found& found) {
                        " (docs/how-to/own_recordings.md; `trilat info` lists the names) and ask again");
 }
 
-MocapStart start_of(const Take& take, const InitArguments& arguments) {
+// States "up_axis": "z" in the take where its person stands along z.
+MocapStart start_of(Take& take, const InitArguments& arguments) {
   try {
     return find_mocap_start(take, arguments.start_within_s, {stop_requested, {}});
   } catch (const InputError& error) {
-    if (error.problem() != kUnclearUp) throw;
-    throw InputError(error.place(), error.problem() + ", here with --up-axis");
+    if (error.problem() != kStandsAlongZ) throw;
+    take.up_axis = UpAxis::z;
+    return find_mocap_start(take, arguments.start_within_s, {stop_requested, {}});
   }
 }
 
@@ -376,7 +378,7 @@ void add_init(CLI::App& app, int& code) {
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   verb.add_option("--up-axis", a.up_axis,
-                  "of the motion capture's world, where no person stands upright to show it")
+                  "of the motion capture's world; else y, or z where the person stands along it")
       ->check(CLI::IsMember({"y", "z"}));
   verb.add_option("--propose-mapping", a.propose_mapping,
                   "of this motion capture alone: print a mapping.json by the names of bones and markers");

@@ -28,12 +28,10 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
                       {"name", asset.name},
                       {"id", asset.id},
                       {"position", asset.has_position},
-                      {"rotation", asset.has_rotation},
                       {"samples", summary.samples},
                       {"missing", summary.missing},
                       {"frozen", summary.frozen},
                       {"jumps", summary.jumps},
-                      {"sentinels", summary.sentinels},
                       {"longest_gap_s", summary.longest_gap_s}});
   }
   const LikelyUp up = up_of(header, s);
@@ -45,9 +43,7 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
           {"duration_s", s.duration_s},
           {"rate_hz", s.rate_hz},
           {"length_unit", std::string(name_of(header.length_unit))},
-          {"rotation_type", header.rotation_type},
           {"coordinate_space", header.coordinate_space},
-          {"left_handed", header.left_handed},
           {"probably_up", up.axis ? Json(std::string(1, *up.axis)) : Json()},
           {"capture_start", header.capture_start_text},
           {"stated_frames", count_or_null(header.total_exported_frames)},
@@ -58,7 +54,6 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
           {"rows_with_extra_fields", a.rows_with_extra_fields},
           {"not_finite_cells", a.not_finite_cells},
           {"partial_poses", a.partial_poses},
-          {"invalid_rotations", a.invalid_rotations},
           {"printed_time_differs", a.printed_time_differs},
           {"truncated_last_row", a.truncated_last_row},
           {"assets", assets}};
@@ -69,8 +64,7 @@ void print_anomalies(const MocapAnomalies& a) {
       {a.repeated_frames, "repeated frames left out"},
       {a.rows_with_extra_fields, "rows with extra fields"},
       {a.not_finite_cells, "cells that are not finite, taken as missing"},
-      {a.partial_poses, "positions or rotations that are not whole, taken as missing"},
-      {a.invalid_rotations, "rotations that are none, taken as missing"},
+      {a.partial_poses, "positions that are not whole, taken as missing"},
       {a.printed_time_differs, "printed times off their frame by more than a period"},
       {a.truncated_last_row ? 1 : 0, "last row that is cut, left out"}};
   for (const auto& [count, what] : counts)
@@ -82,15 +76,12 @@ void print_anomalies(const MocapAnomalies& a) {
 void print_text(const std::string& path, const MocapHeader& header, const MocapSummary& s,
                 const MocapAnomalies& a) {
   fmt::print("{}: {}, take \"{}\"\n", path, header.format, header.take_name);
-  fmt::print("{} frames from {} at {:g} Hz ({:.3f} s), unit {}, {}\n", s.frames, header.first_frame,
-             s.rate_hz, s.duration_s, name_of(header.length_unit),
-             header.left_handed ? "left-handed (read as right-handed)" : "right-handed");
+  fmt::print("{} frames from {} at {:g} Hz ({:.3f} s), unit {}\n", s.frames, header.first_frame, s.rate_hz,
+             s.duration_s, name_of(header.length_unit));
   if (const LikelyUp up = up_of(header, s); up.axis)
     fmt::print("up: probably {}{}; the assets spread {:.2f}, {:.2f}, {:.2f} m along x, y, z\n", *up.axis,
-               *up.axis == 'y'
-                   ? ""
-                   : " (a take of a campaign is turned by how the person stands, or by \"up_axis\")",
-               up.spread_m.x(), up.spread_m.y(), up.spread_m.z());
+               *up.axis == 'y' ? "" : " (state \"up_axis\": \"z\" in the take; init does)", up.spread_m.x(),
+               up.spread_m.y(), up.spread_m.z());
   if (s.index_gaps > 0)
     fmt::print("{} gaps in the frame numbers, {} frames missing\n", s.index_gaps, s.skipped_frames);
   print_anomalies(a);

@@ -23,35 +23,12 @@ namespace {
 struct ReportArguments {
   std::vector<std::filesystem::path> results;
   std::filesystem::path output;
-  bool audit = false;             // of the paper alone; needs no results
-  bool paper = false;             // with the paper's claims and their audit
+  bool paper = false;             // with the paper's claims and errata
   std::filesystem::path history;  // of nights, as the gate keeps it; empty: none
   std::string time;               // the page's time stamp; empty: now
   bool force = false;             // may replace what others wrote
   bool json = false;
 };
-
-Json json_of(const Table& table) {
-  Json rows = Json::array();
-  for (const auto& row : table.rows) {
-    Json object = Json::object();
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      if (row[c].number)
-        object[table.columns[c].key] = *row[c].number;
-      else
-        object[table.columns[c].key] = row[c].text;
-    }
-    rows.push_back(std::move(object));
-  }
-  return rows;
-}
-
-int print_audit(bool json) {
-  const Table table = audit_table();
-  fmt::print("{}\n",
-             json ? json_text({{"title", table.title}, {"rows", json_of(table)}}, 2) : markdown_of(table));
-  return kDone;
-}
 
 bool holds_results_folders(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder) || std::filesystem::exists(folder / "summary.json"))
@@ -90,10 +67,7 @@ PaperFindings judged_paper(const std::vector<std::filesystem::path>& results) {
 }
 
 int report(const ReportArguments& arguments) {
-  if (arguments.audit && arguments.results.empty()) return print_audit(arguments.json);
-  if (arguments.results.empty())
-    throw InputError("trilat report",
-                     "needs results folders, or --audit for what the paper's own numbers imply");
+  if (arguments.results.empty()) throw InputError("trilat report", "needs results folders");
   if (arguments.output.empty()) throw InputError("trilat report", "needs a folder for the report: -o DIR");
   const std::vector<std::filesystem::path> results = results_of(arguments.results);
   const OutputMark mark = report_mark(results);
@@ -138,9 +112,8 @@ void add_report(CLI::App& app, int& code) {
       "--history", a.history,
       "history of nights that `trilat gate` keeps: the last verdict and the errors by night lead");
   verb.add_flag("--paper", a.paper,
-                "judge the paper's claims by these results, and audit its tables, on the page");
-  verb.add_flag("--audit", a.audit,
-                "print what the paper's own tables imply against what it says; needs no results");
+                "judge the paper's claims by these results, and list its errata, on the page");
+  removed_option(verb, "--audit", "docs/explanation/paper.md has what the paper's own tables imply");
   add_force(verb, a.force);
   add_json(verb, a.json);
 }

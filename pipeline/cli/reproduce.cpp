@@ -12,10 +12,10 @@
 #include "datasets/base/error.h"
 #include "datasets/results/summary.h"
 #include "pipeline/claims/judge_claims.h"
-#include "pipeline/cli/accuracy_outcome.h"
 #include "pipeline/cli/built_in.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
+#include "pipeline/cli/print_stored.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
@@ -144,9 +144,12 @@ class Reproduction {
       fmt::print("{}\n", json_text(json, 2));
       return;
     }
-    const std::string found =
-        is_demo() ? outcome_text(read_summary(results().front())) : headline_text(report_.headline);
-    fmt::print("\n{}\nresults:  {}\ncampaign: {}\npage:     {}\n", found, folder_.string(), campaign.string(),
+    fmt::print("\n");
+    if (is_demo())
+      print_stored(results().front());
+    else
+      fmt::print("{}\n", headline_text(report_.headline));
+    fmt::print("results:  {}\ncampaign: {}\npage:     {}\n", folder_.string(), campaign.string(),
                page.string());
     if (is_demo())
       fmt::print("next: change {} and trilat run {} --campaign {} -o {}\n", own_study().string(),

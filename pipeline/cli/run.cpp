@@ -66,7 +66,6 @@ void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, 
   std::vector<std::filesystem::path> inputs = opened.inputs;
   inputs.insert(inputs.end(), {arguments.study, arguments.calibration});
   check_output_folder({arguments.output, inputs, arguments.force}, mark);
-  if (opened.campaign) refuse_other_takes(arguments.output, *opened.campaign, arguments.force);
 }
 
 // A file, or the name of a study that is built in. Its scales are those of `trilat reproduce`.

@@ -81,7 +81,6 @@ int simulate(const SimulateArguments& arguments) {
   const SimulationSpec spec = read_simulation(arguments.spec);
   const OutputMark mark{"simulate", {spec.name}};
   check_output_folder({arguments.output, files_of(arguments, spec), arguments.force}, mark);
-  refuse_real_campaign(arguments.output, arguments.force);
   const Study study = planned(arguments);
   mark_output(arguments.output, mark);
   ItemTally tally;

@@ -36,13 +36,11 @@ void print_cell(const SweepSummary& s, const SweepCell& cell) {
                100.0 * range.low_m, 100.0 * range.high_m, statuses_text(cell.statuses, cell.asked));
     return;
   }
-  const std::string digits =
-      cell.digits_trials > 0 ? fmt::format("{:4.1f} digits, ", cell.mean_digits) : std::string();
   fmt::print(
       "  C {:<6g} error {:>4g} to {:>2g} cm: {:8.3f} cm (axes {:.3f}), start {:.3f} cm, {:8.1f} iterations, "
-      "{}{:.2f} % answered\n",
+      "{:.2f} % answered\n",
       s.thresholds[cell.threshold], 100.0 * range.low_m, 100.0 * range.high_m, 100.0 * cell.mae_m,
-      100.0 * cell.axis_mean_mae_m(), 100.0 * cell.start_mae_m, cell.mean_iterations, digits,
+      100.0 * cell.axis_mean_mae_m(), 100.0 * cell.start_mae_m, cell.mean_iterations,
       100.0 * static_cast<double>(cell.answered) / static_cast<double>(cell.asked));
 }
 
@@ -115,8 +113,7 @@ int print_sweep(const std::filesystem::path& results, Json document, const Shown
                          {"interpretations", s.interpretations.size()},
                          {"cells", s.cells.size()},
                          {"trials", asked},
-                         {"answered", answered},
-                         {"timed", std::filesystem::exists(results / "timings.json")}});
+                         {"answered", answered}});
     fmt::print("{}\n", json_text(document, 2));
     return kDone;
   }

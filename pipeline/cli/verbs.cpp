@@ -86,6 +86,13 @@ void add_force(CLI::App& verb, bool& force) {
   verb.add_flag("--force", force, "replace whatever has the output's name, whoever wrote it; never an input");
 }
 
+void removed_option(CLI::App& verb, const std::string& name, const std::string& instead) {
+  const auto refuse = [=](const std::vector<std::string>&) {
+    throw InputError(name, "was removed; " + instead);
+  };
+  verb.add_option_function<std::vector<std::string>>(name, refuse)->expected(0, 1)->group("");
+}
+
 void add_threads(CLI::App& verb, int& threads) {
   verb.add_option("--threads", threads, "how many threads; 0: one a processor")
       ->check(CLI::Range(0, 1024))

@@ -57,6 +57,8 @@ Verb<Arguments> add_verb(CLI::App& app, int& code, const std::string& name, cons
 void add_json(CLI::App& verb, bool& json);
 void add_force(CLI::App& verb, bool& force);
 void add_threads(CLI::App& verb, int& threads);
+// An option of earlier versions, which is refused with what to use instead and is not in --help.
+void removed_option(CLI::App& verb, const std::string& name, const std::string& instead);
 
 void add_calibrate(CLI::App& app, int& code);
 void add_compare(CLI::App& app, int& code);

@@ -10,6 +10,7 @@
 #include "datasets/results/error_table.h"
 #include "datasets/results/summary.h"
 #include "evaluators/metrics/cluster_ratios.h"
+#include "pipeline/errors/movement.h"
 
 namespace trilat {
 
@@ -17,6 +18,7 @@ namespace trilat {
 struct TakeTable {
   std::string id, participant, activity;
   ErrorTable errors;
+  std::vector<MovementRow> movement = {};  // of nonlinear, where a claim of the paper asks for it
 };
 
 // With fewer participants than this takes are the clusters of intervals.

@@ -84,9 +84,6 @@ class Summary {
         std::ranges::any_of(takes_, [&](const TakeTable& take) { return take.activity == condition; });
     if (!is_whole_activity) return;
     for (std::size_t m = 0; m < axes_.methods; ++m) summary_.bodies.push_back(body_of(errors, condition, m));
-    if (summary_.left_out()) return;  // a sensor is the truth
-    for (const std::size_t g : errors.groups())
-      summary_.truth_speed.push_back({condition, summary_.groups[g], speed_of(errors, g)});
   }
 
   SummaryCell head_of(const std::string& condition, const std::string& group, std::size_t m,
@@ -220,18 +217,6 @@ class Summary {
       pck[r] = quotient(static_cast<double>(within), asked);
     }
     return pck;
-  }
-
-  double speed_of(const ConditionErrors& errors, std::size_t group) const {
-    double speed_m_s = 0.0;
-    std::uint64_t n = 0;
-    for (const TakeTable* take : errors.takes())
-      for (const TruthRow& row : take->errors.truth)
-        if (axes_.group_of(row) == group) {
-          speed_m_s += row.speed_m_s;
-          n += row.speeds;
-        }
-    return quotient(speed_m_s, n);
   }
 
   // Under the first alignment, by joint and method, of one subset.

@@ -50,8 +50,7 @@ class TrackErrors {
         joints_(head_.joints.size()),
         methods_(head_.methods.size()),
         alignments_(settings.alignments.size()),
-        windows_(take, track, block_instants(head_.instants, settings.rate_hz),
-                 std::max<std::uint64_t>(2, SampleMarks::instants_beside(settings.rate_hz))),
+        windows_(take, track, block_instants(head_.instants, settings.rate_hz), 2),
         marks_(windows_, head_, settings.rate_hz),
         columns_(windows_, head_, marks_, settings) {
     TRILAT_CHECK(head_.status_names.size() <= kMostStatuses, "every status has its column");
@@ -254,8 +253,8 @@ class TrackErrors {
   }
 
   std::vector<Subset> subsets() const {
-    if (settings_.occluded_apart) return {Subset::all, Subset::occluded, Subset::abrupt};
-    return {Subset::all, Subset::abrupt};
+    if (settings_.occluded_apart) return {Subset::all, Subset::occluded};
+    return {Subset::all};
   }
 
   void end_block(std::uint32_t block) {
@@ -285,7 +284,6 @@ class TrackErrors {
     for (std::uint32_t j = 0; j < joints_; ++j)
       for (std::uint32_t a = 0; a < alignments_; ++a)
         for (const Subset subset : subsets()) {
-          if (subset == Subset::abrupt) continue;
           const LengthSum of_first = length_of(first_column, j, a, subset);
           const LengthSum of_second = length_of(second_column, j, a, subset);
           if (of_first.n == 0 || of_second.n != of_first.n) continue;
@@ -321,8 +319,7 @@ class TrackErrors {
     for (std::uint32_t j = 0; j < joints_; ++j)
       for (std::uint32_t m = 0; m < methods_; ++m)
         for (std::uint32_t a = 0; a < alignments_; ++a)
-          for (const Subset subset : subsets())
-            if (subset != Subset::abrupt) add_histogram(j, m, a, subset);
+          for (const Subset subset : subsets()) add_histogram(j, m, a, subset);
     for (std::uint32_t m = 0; m < methods_; ++m) {
       ShapeRow& row = table_.shapes[m];
       row.method = m;

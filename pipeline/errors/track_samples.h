@@ -99,23 +99,16 @@ class Windows {
   std::optional<SampleBlock> whole_;
 };
 
-// Parts of the samples that are asked: occluded or not, abrupt or not.
-inline constexpr std::size_t kParts = 4;
-constexpr bool is_part_of(std::size_t part, Subset subset) {
-  if (subset == Subset::occluded) return (part & 1U) != 0;
-  return subset == Subset::all || (part & 2U) != 0;
-}
+// Parts of the samples that are asked: not occluded, and occluded.
+inline constexpr std::size_t kParts = 2;
+constexpr bool is_part_of(std::size_t part, Subset subset) { return subset == Subset::all || part == 1; }
 
 // The samples of a track: which are asked, of which part each is, who answers, and how the truth moves. A
 // sample is asked where its truth is known.
 class SampleMarks {
  public:
-  // Reads the samples once. Windows hold instants_beside() instants on either side, and two at least.
+  // Reads the samples once. Windows hold two instants on either side.
   SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz);
-
-  // Instants to either side from which an acceleration is taken: a fifteenth of a second, so that a marker's
-  // noise of some tenths of a millimetre does not decide it.
-  static std::uint64_t instants_beside(double rate_hz);
 
   std::size_t place(std::uint64_t instant, std::size_t joint) const { return joint * instants_ + instant; }
   bool is_asked(std::uint64_t instant, std::size_t joint) const {
@@ -128,8 +121,8 @@ class SampleMarks {
   const std::vector<TruthRow>& truth() const { return truth_; }         // by joint
 
  private:
-  static constexpr std::uint8_t kAsked = 1, kOccluded = 2, kAbrupt = 4;
-  void add_movement(const Window& w, std::uint64_t i, std::size_t j, double rate_hz);
+  static constexpr std::uint8_t kAsked = 1, kOccluded = 2;
+  void add_jerk(const Window& w, std::uint64_t i, std::size_t j, double rate_hz);
 
   std::uint64_t instants_;
   std::vector<std::uint8_t> marks_;  // by joint and instant

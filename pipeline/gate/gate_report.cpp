@@ -144,61 +144,6 @@ std::string shell_word(const std::string& text) {
   return word + "'";
 }
 
-// Text as XML: markup escaped, what XML 1.0 cannot hold replaced, bytes that are not UTF-8 too.
-std::string xml(const std::string& text) {
-  const std::string valid = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string result;
-  for (const char c : Json::parse(valid).get<std::string>()) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else if (c == '\n' || c == '\t')
-      result += c == '\n' ? "&#10;" : "&#9;";
-    else if (static_cast<unsigned char>(c) < 0x20)
-      result += "\uFFFD";
-    else
-      result += c;
-  }
-  return result;
-}
-
-std::string suite_of(std::size_t tests, std::size_t failures, std::size_t errors, std::size_t skipped,
-                     const std::string& time, const std::string& cases) {
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"{0}\" failures=\"{1}\" "
-      "errors=\"{2}\">\n"
-      "  <testsuite name=\"trilat gate\" timestamp=\"{4}\" tests=\"{0}\" failures=\"{1}\" errors=\"{2}\" "
-      "skipped=\"{3}\">\n{5}  </testsuite>\n</testsuites>\n",
-      tests, failures, errors, skipped, xml(time), cases);
-}
-
-// The alarms of one study, the worst first, in a few words.
-std::string failure_text(const GateReport& report, const std::string& study) {
-  std::string text;
-  std::size_t alarms = 0;
-  for (const GateFinding& f : report.findings) {
-    if (!f.alarm || f.study != study) continue;
-    if (alarms++ >= kMostPlaces) continue;
-    text += (text.empty() ? "" : "; ") + (f.method.empty() ? "" : f.method + ", ") + what_text(f) + ", " +
-            line_of(f);
-  }
-  return text + (alarms > kMostPlaces ? fmt::format("; and {} more", alarms - kMostPlaces) : "");
-}
-
-// Why a study was not compared or not judged; empty when it was.
-std::string why_skipped(const StudyVerdict& s) {
-  if (s.state == StudyState::only_now) return "not in the baseline";
-  if (s.state == StudyState::only_before) return "only in the baseline";
-  if (s.state == StudyState::not_judged)
-    return fmt::format("not judged: {} participants; {}", s.participants, s.note);
-  return "";
-}
-
 }  // namespace
 
 const char* name_of(StudyState state) {
@@ -280,45 +225,6 @@ Json gate_json(const GateReport& report) {
           {"studies", json_of(report.studies)},
           {"findings", json_of(report.findings)},
           {"notes", report.notes}};
-}
-
-std::string gate_junit_of_error(const std::string& time, const std::string& message) {
-  return suite_of(1, 0, 1, 0, time,
-                  fmt::format("    <testcase classname=\"trilat.gate\" name=\"compared with the baseline\">\n"
-                              "      <error message=\"{}\"/>\n    </testcase>\n",
-                              xml(message)));
-}
-
-std::string gate_junit(const GateReport& report) {
-  constexpr std::size_t kMostCases = 16;  // of three lines
-  std::string cases;
-  std::size_t tests = 0, failures = 0, skipped = 0;
-  std::string others;  // studies that fail and are not listed by themselves
-  for (const StudyVerdict& s : report.studies) {
-    const std::string why = why_skipped(s), failure = failure_text(report, s.study);
-    ++tests;
-    failures += failure.empty() ? 0 : 1;
-    skipped += failure.empty() && !why.empty() ? 1 : 0;
-    if (tests > kMostCases) {
-      if (!failure.empty()) others += (others.empty() ? "" : ", ") + s.study;
-      continue;
-    }
-    cases += fmt::format("    <testcase classname=\"trilat.gate.{}\" name=\"compared with the baseline\"",
-                         xml(s.study));
-    if (failure.empty() && why.empty())
-      cases += "/>\n";
-    else if (failure.empty())
-      cases += fmt::format(">\n      <skipped message=\"{}\"/>\n    </testcase>\n", xml(why));
-    else
-      cases +=
-          fmt::format(">\n      <failure type=\"worse\" message=\"{}\"/>\n    </testcase>\n", xml(failure));
-  }
-  if (!others.empty())
-    cases += fmt::format(
-        "    <testcase classname=\"trilat.gate\" name=\"other studies\">\n"
-        "      <failure type=\"worse\" message=\"{}\"/>\n    </testcase>\n",
-        xml(others));
-  return suite_of(tests, failures, 0, skipped, report.time, cases);
 }
 
 }  // namespace trilat

@@ -113,10 +113,4 @@ Json gate_json(const GateReport& report);
 // "2 participants in table3": what was not judged and why; empty when all was.
 std::string not_judged_text(const GateReport& report);
 
-// JUnit XML as CI services read it, one test case a study, at most 60 lines. A study that was not judged is
-// skipped, with the reason.
-std::string gate_junit(const GateReport& report);
-// JUnit of a gate that failed: one test case that is an error, with the message.
-std::string gate_junit_of_error(const std::string& time, const std::string& message);
-
 }  // namespace trilat

@@ -19,7 +19,7 @@ Json json_of(const Take& take) {
   return {{"participant", take.participant},
           {"activity", take.activity},
           {"mocap_start_host_ns", take.mocap_start_host_ns},
-          {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(take.up_axis))}};
+          {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(take.up_axis.value_or(UpAxis::y)))}};
 }
 
 Take read_take(const std::string& id, const Json& json, const std::string& place, const fs::path& folder) {
@@ -32,7 +32,7 @@ Take read_take(const std::string& id, const Json& json, const std::string& place
             folder / id / "mocap.csv",
             folder / id / "mapping.json",
             object.integer("mocap_start_host_ns"),
-            static_cast<UpAxis>(object.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}, 0))};
+            read_up_axis(object)};
   object.finish();
   return take;
 }

@@ -71,7 +71,7 @@ SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion
   take.duration_s = recorded.duration_s;
   take.recorded_mocap = spec.recorded->mocap;
   take.recorded_mapping = spec.recorded->mapping;
-  take.up_axis = recorded.up_axis;
+  take.up_axis = spec.recorded->up_axis.value_or(UpAxis::y);
   return take;
 }
 
@@ -239,8 +239,7 @@ MocapHeader simulated_mocap_header(const std::string& take_name, double rate_hz,
   header.total_frames_in_take = frames;
   header.total_exported_frames = frames;
   for (std::size_t a = 0; a < assets.size(); ++a)
-    header.assets.push_back(
-        {type, assets[a], fmt::format("{:X}", 0xA000 + a), "", type == AssetType::rigid_body, true});
+    header.assets.push_back({type, assets[a], fmt::format("{:X}", 0xA000 + a), "", true});
   return header;
 }
 

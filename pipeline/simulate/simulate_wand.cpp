@@ -29,12 +29,8 @@ void write_wand_mocap(const SimulationSpec& spec, const WandMotion& wand, const 
     if (f % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
     const WandInstant instant = wand.at(static_cast<double>(f) / spec.mocap.rate_hz);
     frame.index = f;
-    frame.poses[0] = {};
-    const Eigen::Vector3d seen_m = simulate_rigid_body(instant.ball_in_world_m, spec.mocap, wand_item(spec),
-                                                       static_cast<std::uint64_t>(f));
-    if (seen_m.allFinite())
-      frame.poses[0] = {
-          seen_m, Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), instant.stick_direction)};
+    frame.poses[0].position_m = simulate_rigid_body(instant.ball_in_world_m, spec.mocap, wand_item(spec),
+                                                    static_cast<std::uint64_t>(f));
     writer.write(frame);
   }
   writer.finish();

@@ -269,7 +269,6 @@ void write_summary(const Study& study, Run& run, const fs::path& results, const 
   study.reduce(run.outcomes(), folder, watch_of(options, "summary"));
   Json times = run.times();
   times.update(Json{{"computed", run.tally().computed}, {"found", run.tally().found}});
-  if (study.times) times.update(study.times());
   write_run_record(folder, results, times, start.seconds(), tbb::this_task_arena::max_concurrency());
   publish(folder, results, kSummary, is_of_summary);
 }

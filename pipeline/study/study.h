@@ -89,7 +89,6 @@ struct Study {
   // known.
   std::function<Json()> manifest = {};
   std::shared_ptr<HashCache> hashes = {};  // kept with the results, where there is one
-  std::function<Json()> times = {};        // that run.json lists beside its own
 };
 
 // The entries of a manifest that all studies have: the resolved study and its hash; then `more`.

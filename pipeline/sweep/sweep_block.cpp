@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kBinBits = 6;                        // of the mantissa
 constexpr std::uint64_t kFirstOctave = 1023 - 40;  // 1e-12 m
-constexpr double kBinsPerDigit = 256.0;
 constexpr std::size_t kLanes = 8;
 
 // Eight sums side by side, added up in one order whatever the processor does at once.
@@ -24,14 +23,6 @@ struct LaneSums {
   std::array<double, kLanes> of{};
   double total() const { return ((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7])); }
 };
-
-void describe_digits(const SweepSums& sums, SweepCell& cell) {
-  const SweepCounts& counts = sums.counts;
-  cell.digits_trials = counts.digit_bins.all();
-  cell.mean_digits = sums.sum[SweepSums::digits] / static_cast<double>(cell.digits_trials);
-  cell.p50_digits = std::clamp(bin_digits(counts.digit_bins.quantile(0.5)), counts.min_digits, kMostDigits);
-  cell.min_digits = counts.min_digits;
-}
 
 }  // namespace
 
@@ -65,21 +56,13 @@ double bin_distance_m(std::size_t bin) {
   return 0.5 * (low + high);
 }
 
-std::size_t digit_bin(double digits) {
-  return static_cast<std::size_t>(std::clamp(digits, 0.0, kMostDigits) * kBinsPerDigit);
-}
-
-double bin_digits(std::size_t bin) { return (static_cast<double>(bin) + 0.5) / kBinsPerDigit; }
-
 void SweepCounts::add(const SweepCounts& other) {
   asked += other.asked;
   starts += other.starts;
   for (std::size_t i = 0; i < statuses.size(); ++i) statuses[i] += other.statuses[i];
   max_m = std::max(max_m, other.max_m);
-  min_digits = std::min(min_digits, other.min_digits);
   distance_bins.add(other.distance_bins);
   iteration_counts.add(other.iteration_counts);
-  digit_bins.add(other.digit_bins);
 }
 
 void SweepSums::add(const SweepSums& later) {
@@ -126,12 +109,6 @@ void SweepSums::add_outcomes(const SweepOutcomeRows& rows) {
   for (const Term term : {x, y, z, distance, square, iterations}) sum[term] += sums[term].total();
 }
 
-void SweepSums::add_digits(double digits_of_trial) {
-  sum[digits] += digits_of_trial;
-  counts.min_digits = std::min(counts.min_digits, digits_of_trial);
-  counts.digit_bins.add(digit_bin(digits_of_trial));
-}
-
 SweepCell cell_of(const SweepSums& sums) {
   const SweepCounts& counts = sums.counts;
   SweepCell cell;
@@ -163,7 +140,6 @@ SweepCell cell_of(const SweepSums& sums) {
   cell.p50_m = std::min(counts.max_m, bin_distance_m(counts.distance_bins.quantile(0.5)));
   cell.p95_m = std::min(counts.max_m, bin_distance_m(counts.distance_bins.quantile(0.95)));
   cell.max_m = counts.max_m;
-  if (counts.digit_bins.all() > 0) describe_digits(sums, cell);
   return cell;
 }
 
@@ -173,20 +149,7 @@ namespace {
 // geometry is rank deficient, so only answers beyond have to be asked.
 constexpr double kLeastThickness = 1e-6;  // of the scatter
 constexpr double kNear_m = 100.0;
-constexpr double kExactStep_m = 1e-13;
 constexpr int kFirstStage = 32;  // iterations; each further stage is as long as all before
-
-double digits_of(const Eigen::Vector3d& x_m, const Eigen::Vector3d& exact_m) {
-  const double relative = (x_m - exact_m).norm() / exact_m.norm();
-  return std::clamp(-std::log10(std::max(relative, 1e-300)), 0.0, kMostDigits);
-}
-
-NonlinearOptions exact_options() {
-  NonlinearOptions options;
-  options.step_tolerance_m = kExactStep_m;
-  options.range_sigma_m = 0.0;
-  return options;
-}
 
 Eigen::Vector3d column(const LaneRows& rows, std::size_t i) {
   return {rows.row(0)[i], rows.row(1)[i], rows.row(2)[i]};
@@ -349,16 +312,6 @@ void SweepBlock::solve_into(const SweepCellSolver& cell, SweepSums& sums) {
     solve_one_by_one(cell);
   }
   sums.add_outcomes(rows());
-}
-
-void SweepBlock::add_digits(const SweepCellSolver& cell, std::size_t count, SweepSums& sums) {
-  const auto all = problems(cell).first(std::min(count, batch_.count));
-  estimates_.resize(std::max(estimates_.size(), all.size()));
-  static const NonlinearOptions exact = exact_options();
-  solve_nonlinear(all, exact, std::span(estimates_).first(all.size()));
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (is_usable(estimates_[i].status) && is_usable(batch_.status[i]))
-      sums.add_digits(digits_of(column(batch_.position_m, i), estimates_[i].position_m));
 }
 
 // Row i: 2 (s_i - s_0).(x - s_0) = |s_i - s_0|^2 - r_i^2 + r_0^2.

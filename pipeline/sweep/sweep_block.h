@@ -43,14 +43,10 @@ class Counts {
   std::vector<std::uint64_t> counts_;
 };
 
-// Distances fall into bins of 1/64 of an octave, digits into bins of 1/256.
+// Distances fall into bins of 1/64 of an octave.
 inline constexpr std::size_t kDistanceBins = 64 * 64;
 std::size_t distance_bin(double distance_m);
 double bin_distance_m(std::size_t bin);  // its middle
-inline constexpr double kMostDigits = 15.0;
-inline constexpr std::size_t kDigitBins = 15 * 256 + 1;
-std::size_t digit_bin(double digits);
-double bin_digits(std::size_t bin);  // its middle
 
 // Counts of trials: the same in whatever order and groups they are added.
 struct SweepCounts {
@@ -58,21 +54,19 @@ struct SweepCounts {
   std::array<std::uint64_t, kSolveStatusCount> statuses{};
   std::uint64_t starts = 0;  // that are finite
   double max_m = 0.0;
-  double min_digits = kMostDigits;
-  Counts distance_bins, iteration_counts, digit_bins;
+  Counts distance_bins, iteration_counts;
 
   void add(const SweepCounts& other);
 };
 
 // Over trials, in their order.
 struct SweepSums {
-  enum Term { x, y, z, distance, square, start, iterations, digits, kTerms };
+  enum Term { x, y, z, distance, square, start, iterations, kTerms };
   SweepCounts counts;
   std::array<double, kTerms> sum{};
 
   void add_starts(const SweepOutcomeRows& rows);  // position_m: the starts
   void add_outcomes(const SweepOutcomeRows& rows);
-  void add_digits(double digits);  // of one trial
   void add(const SweepSums& later);
 };
 // Everything but the cell's place.
@@ -121,8 +115,6 @@ class SweepBlock {
   std::span<const RangeProblem> problems(const SweepCellSolver& cell);
   // Solves them and adds starts and outcomes.
   void solve_into(const SweepCellSolver& cell, SweepSums& sums);
-  // Adds the digits to which the answers of the first `count` trials agree with the exact minimum.
-  void add_digits(const SweepCellSolver& cell, std::size_t count, SweepSums& sums);
 
  private:
   void find_starts(const SweepCellSolver& cell);

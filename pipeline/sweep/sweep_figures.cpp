@@ -59,7 +59,7 @@ struct Quantity {
       {};  // of the paper; NaN: none
 };
 
-std::vector<Quantity> quantities(const std::optional<SweepTimings>& timings) {
+std::vector<Quantity> quantities(const SweepSummary& s, const SweepTimings& timings) {
   std::vector<Quantity> all{
       {"error", "Error over the stopping threshold", "mean error (cm)", "95 % interval of the mean", false,
        [](const SweepCell& c) {
@@ -77,16 +77,15 @@ std::vector<Quantity> quantities(const std::optional<SweepTimings>& timings) {
        [](const SweepCell& c) {
          return FigurePoint{0.0, 100.0 * share_of(c.answered, c.asked)};
        }}};
-  if (timings && !timings->cells.empty())
-    all.push_back(
-        {"time", "Time of a solve over the stopping threshold", "time of a solve (us)", "none", true,
-         [&timings](const SweepCell& c) {
-           const SweepCellTiming* time = timing_of(timings, c);
-           return FigurePoint{0.0, time ? time->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone};
-         },
-         [](const PrintedTable1::Row& row, std::size_t r) {
-           return row.time_is_below ? SweepCell::kNone : row.time_us[r];
-         }});
+  if (timings.problems > 0)
+    all.push_back({"time", "Time of a solve over the stopping threshold", "time of a solve (us)", "none",
+                   true,
+                   [&](const SweepCell& c) {
+                     return FigurePoint{0.0, solve_us(s, timings, c)};
+                   },
+                   [](const PrintedTable1::Row& row, std::size_t r) {
+                     return row.time_is_below ? SweepCell::kNone : row.time_us[r];
+                   }});
   return all;
 }
 
@@ -159,9 +158,9 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
 
 }  // namespace
 
-std::vector<Figure> sweep_figures(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+std::vector<Figure> sweep_figures(const SweepSummary& s, const SweepTimings& timings) {
   std::vector<Figure> figures;
-  for (const Quantity& quantity : quantities(timings)) {
+  for (const Quantity& quantity : quantities(s, timings)) {
     figures.push_back(figure_of(s, quantity));
     figures.back().is_first = !s.search && figures.size() <= 2;
   }

@@ -129,7 +129,6 @@ std::vector<SweepRig> read_rigs(JsonObject& object, const std::string& key) {
 
 constexpr const char* kFormat = "trilat.study";
 constexpr std::uint64_t kMostTrials = 1'000'000'000'000;
-constexpr std::uint64_t kMostDigitsTrials = 1'000'000;
 constexpr std::uint64_t kMostTimed = 1'000'000;
 constexpr double kLargestError_cm = 1e5;
 
@@ -282,10 +281,8 @@ void tell(Settings& s, SweepSpec& spec) {
   s("trials", spec.trials, {1, kMostTrials}, "of each cell");
   s("seed", spec.seed, "of every random number");
   s("max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
-  s("digits_trials", spec.digits_trials, {0, kMostDigitsTrials},
-    "the first of the trials, compared with the exact minimum");
-  s("time_problems", spec.time_problems, {0, kMostTimed}, "that are timed; 0: none");
-  s("time_repeats", spec.time_repeats, {1, 1000}, "of the timing");
+  s("time_problems", spec.time_problems, {0, kMostTimed},
+    "timed on one thread by the scalar solver, the fastest of three; 0: times are as the run took");
   s("search", spec.search, "rank all readings by their distance from the printed Table I");
 }
 
@@ -300,6 +297,8 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
   spec.rigs = read_rigs(object, "rigs");
   object.about({{"name", "of the study"}, {"rigs", "each with its sensors"}});
+  object.removed("digits_trials", "tests hold the solvers against Ceres");
+  object.removed("time_repeats", "of three rounds the fastest counts");
   Settings settings(object);
   tell(settings, spec);
   check_search(object, spec);

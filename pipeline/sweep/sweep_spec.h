@@ -50,10 +50,8 @@ struct SweepSpec {
   std::uint64_t trials = 5000;  // of each cell
   std::uint64_t seed = 1;
   std::uint64_t max_iterations = 10000;
-  std::uint64_t digits_trials = 10000;  // the first ones, compared with the exact minimum
-  std::uint64_t time_problems = 0;      // 0: nothing is timed
-  std::uint64_t time_repeats = 5;
-  bool search = false;  // rank the readings by their distance from the printed Table I
+  std::uint64_t time_problems = 0;  // solved by the scalar solver on one thread; 0: times as the run took
+  bool search = false;              // rank the readings by their distance from the printed Table I
 };
 
 SweepSpec parse_sweep(const Json& json, const std::string& place);

@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <functional>
-#include <optional>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/median.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/timings.h"
 #include "pipeline/claims/paper_claims.h"
@@ -27,131 +25,107 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kWarmUpProblems = 64;
-
-double ns_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+double us_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-// Nanoseconds a solve, of all problems of a cell.
-struct Round {
-  double scalar_ns = 0.0, batched_ns = 0.0;
-};
-
-class Stopwatch {
- public:
-  Stopwatch(const SweepPlan& plan, const std::function<bool()>& stop_requested)
-      : plan_(plan), stop_requested_(stop_requested) {}
-
-  bool stopped() const { return stop_requested_ && stop_requested_(); }
-
-  Round time(std::size_t cell, std::uint64_t problems) {
-    const SweepCellSolver solver = solver_of(plan_, place_of(plan_, cell));
-    SweepBlock block(solver.trials.sensors);
-    Round round;
-    for (std::uint64_t first = 0; first < problems && !stopped(); first += kBlockTrials) {
-      block.make_trials(solver, first,
-                        static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, problems - first)));
-      const auto all = block.problems(solver);
-      estimates_.resize(all.size());
-      round.scalar_ns += scalar_ns(all, solver.options);
-      const auto start = Clock::now();
-      solve_nonlinear(all, solver.options, estimates_);
-      round.batched_ns += ns_since(start);
-    }
-    round.scalar_ns /= static_cast<double>(problems);
-    round.batched_ns /= static_cast<double>(problems);
-    return round;
-  }
-
- private:
-  double scalar_ns(std::span<const RangeProblem> problems, const NonlinearOptions& options) {
+// Microseconds a solve of the first problems of a cell, one after the other, each with its start.
+double scalar_us(const SweepPlan& plan, std::size_t cell) {
+  const SweepCellSolver solver = solver_of(plan, place_of(plan, cell));
+  SweepBlock block(solver.trials.sensors);
+  std::vector<PointEstimate> estimates(kBlockTrials);
+  double us = 0.0;
+  for (std::uint64_t first = 0; first < plan.spec.time_problems; first += kBlockTrials) {
+    const std::uint64_t left = plan.spec.time_problems - first;
+    block.make_trials(solver, first, static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, left)));
+    const auto problems = block.problems(solver);
     const auto start = Clock::now();
-    for (std::size_t i = 0; i < problems.size(); ++i) estimates_[i] = solve_nonlinear(problems[i], options);
-    return ns_since(start);
+    for (std::size_t i = 0; i < problems.size(); ++i)
+      estimates[i] = solve_nonlinear(problems[i], solver.options);
+    us += us_since(start);
   }
-
-  const SweepPlan& plan_;
-  const std::function<bool()>& stop_requested_;
-  std::vector<PointEstimate> estimates_;
-};
-
-SweepCellTiming timing_of(const SweepCellPlace& place, const std::vector<Round>& rounds) {
-  std::vector<double> scalar_ns, batched_ns;
-  for (const Round& round : rounds) {
-    scalar_ns.push_back(round.scalar_ns);
-    batched_ns.push_back(round.batched_ns);
-  }
-  return {place.reading,
-          place.threshold,
-          place.range,
-          median(scalar_ns),
-          *std::ranges::min_element(scalar_ns),
-          median(batched_ns),
-          *std::ranges::min_element(batched_ns)};
+  return us / static_cast<double>(plan.spec.time_problems);
 }
 
-// Times the first time_problems trials of every cell on one thread: one at a time, and many side by side,
-// each with its start. The cells take turns for time_repeats rounds, so that a busy moment of the machine
-// hurts them alike. Nothing when interrupted.
-std::optional<SweepTimings> time_sweep(const SweepPlan& plan, const std::function<bool()>& stop_requested,
-                                       const std::function<void(double)>& progress) {
-  const std::uint64_t problems = plan.spec.time_problems;
-  if (progress) progress(0.0);
-  Stopwatch stopwatch(plan, stop_requested);
-  std::vector<std::vector<Round>> rounds(plan.cells());
-  for (std::size_t cell = 0; cell < plan.cells(); ++cell)
-    stopwatch.time(cell, std::min<std::uint64_t>(kWarmUpProblems, problems));
-  for (std::uint64_t repeat = 0; repeat < plan.spec.time_repeats; ++repeat) {
+// Times every cell on one thread by the scalar solver; of three rounds over all cells the fastest counts, so
+// that a busy moment of the machine spoils none.
+void time_into(const std::filesystem::path& folder, const SweepPlan& plan, const Watch& watch) {
+  constexpr std::size_t kRounds = 3;
+  SweepTimings timings{plan.spec.name, processor_name(), plan.spec.time_problems, {}};
+  timings.solve_us.assign(plan.cells(), std::numeric_limits<double>::infinity());
+  for (std::size_t round = 0; round < kRounds; ++round)
     for (std::size_t cell = 0; cell < plan.cells(); ++cell) {
-      rounds[cell].push_back(stopwatch.time(cell, problems));
-      if (stopwatch.stopped()) return std::nullopt;
+      watch.check();
+      timings.solve_us[cell] = std::min(timings.solve_us[cell], scalar_us(plan, cell));
+      watch.tell(static_cast<double>(round * plan.cells() + cell + 1) /
+                 static_cast<double>(kRounds * plan.cells()));
     }
-    if (progress) progress(static_cast<double>(repeat + 1) / static_cast<double>(plan.spec.time_repeats));
-  }
-  SweepTimings timings{plan.spec.name, processor_name(), problems, plan.spec.time_repeats, {}};
-  for (std::size_t cell = 0; cell < plan.cells(); ++cell)
-    timings.cells.push_back(timing_of(place_of(plan, cell), rounds[cell]));
-  return timings;
+  write_beside(folder, timings);
 }
 
 constexpr std::uint64_t kChunksAtOnce = 64;  // whose sums are in memory
 
-// Sums of one chunk of one cell's trials.
-SweepSums sums_of(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
+// One chunk of one cell's trials.
+struct Chunk {
+  SweepSums sums;
+  double us = 0.0;  // that solving them took
+  void add(const Chunk& later) {
+    sums.add(later.sums);
+    us += later.us;
+  }
+};
+
+Chunk solve_chunk(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
   const SweepCellSolver solver = solver_of(plan, place_of(plan, cell));
   SweepBlock block(solver.trials.sensors);
   const std::uint64_t end = std::min((chunk + 1) * kChunkTrials, plan.spec.trials);
-  SweepSums sums;
+  Chunk solved;
   for (std::uint64_t trial = chunk * kChunkTrials; trial < end; trial += kBlockTrials) {
     watch.check();
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, end - trial));
+    const auto start = Clock::now();
     block.make_trials(solver, trial, count);
-    block.solve_into(solver, sums);
-    if (trial < plan.spec.digits_trials)
-      block.add_digits(solver, static_cast<std::size_t>(plan.spec.digits_trials - trial), sums);
+    block.solve_into(solver, solved.sums);
+    solved.us += us_since(start);
   }
-  return sums;
+  return solved;
 }
 
-// The statistics of each cell.
-Json compute(const SweepPlan& plan, const SweepItem& item, const Watch& watch) {
+// The statistics of each cell; how long its trials took is left in the item's folder.
+Json compute(const SweepPlan& plan, const SweepItem& item, const std::filesystem::path& into,
+             const Watch& watch) {
   const std::uint64_t per_cell = (plan.spec.trials + kChunkTrials - 1) / kChunkTrials;
   const std::uint64_t chunks = item.cells * per_cell;
-  std::vector<SweepSums> of_cell(item.cells), sums(std::min(kChunksAtOnce, chunks));
+  std::vector<Chunk> of_cell(item.cells), solved(std::min(kChunksAtOnce, chunks));
   std::atomic<std::uint64_t> done{0};
-  for (std::uint64_t first = 0; first < chunks; first += sums.size()) {
-    const std::size_t count = std::min<std::uint64_t>(sums.size(), chunks - first);
+  for (std::uint64_t first = 0; first < chunks; first += solved.size()) {
+    const std::size_t count = std::min<std::uint64_t>(solved.size(), chunks - first);
     parallel_for_index(count, 1, [&](std::size_t i) {
-      sums[i] = sums_of(plan, item.first_cell + (first + i) / per_cell, (first + i) % per_cell, watch);
+      solved[i] = solve_chunk(plan, item.first_cell + (first + i) / per_cell, (first + i) % per_cell, watch);
       watch.tell(static_cast<double>(++done) / static_cast<double>(chunks));
     });
     watch.check();  // cancelled from outside, chunks are left out without a word
-    for (std::size_t i = 0; i < count; ++i) of_cell[(first + i) / per_cell].add(sums[i]);
+    for (std::size_t i = 0; i < count; ++i) of_cell[(first + i) / per_cell].add(solved[i]);
   }
   Json cells = Json::array();
-  for (const SweepSums& cell : of_cell) cells.push_back(json_of(cell_of(cell)));
+  SweepTimings timings{plan.spec.name, processor_name(), 0, {}};
+  for (const Chunk& cell : of_cell) {
+    cells.push_back(json_of(cell_of(cell.sums)));
+    timings.solve_us.push_back(cell.us / static_cast<double>(plan.spec.trials));
+  }
+  write_beside(into, timings);
   return cells;
+}
+
+// The times of all items' trials, as the runs that solved them took them.
+void gather_times(const SweepPlan& plan, const Outcomes& outcomes, const std::filesystem::path& folder) {
+  SweepTimings all{plan.spec.name, processor_name(), 0, {}};
+  for (const SweepItem& item : items_of(plan)) {
+    const auto of_item = read_beside<SweepTimings>(outcomes.at(item.id).folder);
+    for (std::size_t cell = 0; cell < item.cells; ++cell)
+      all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : SweepCell::kNone);
+  }
+  write_beside(folder, all);
 }
 
 std::vector<SweepCell> cells_of(const SweepPlan& plan, const Outcomes& outcomes) {
@@ -195,12 +169,6 @@ Json manifest_of_sweep(const SweepPlan& plan) {
                                                 {"cells", plan.cells()},
                                                 {"trials", plan.cells() * plan.spec.trials},
                                                 {"inputs", Json::array()}});
-}
-
-void time_into(const std::filesystem::path& folder, const SweepPlan& plan, const Watch& watch) {
-  const std::optional<SweepTimings> timings = time_sweep(plan, watch.stop_requested, watch.progress);
-  if (!timings) throw Interrupted();
-  write_beside(folder, *timings);
 }
 
 }  // namespace
@@ -248,8 +216,7 @@ std::string key_of_item(const SweepPlan& plan, const SweepItem& item) {
                  {"cells", cells},
                  {"seed", plan.spec.seed},
                  {"trials", plan.spec.trials},
-                 {"max_iterations", plan.spec.max_iterations},
-                 {"digits_trials", plan.spec.digits_trials}});
+                 {"max_iterations", plan.spec.max_iterations}});
 }
 
 Study sweep_study(const SweepPlan& whole) {
@@ -260,7 +227,8 @@ Study sweep_study(const SweepPlan& whole) {
                   [plan](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
                     SweepSummary summary = summary_of(*plan, cells_of(*plan, outcomes));
                     summary.claims = claims_of(summary);
-                    const auto timings = read_beside<SweepTimings>(results);
+                    if (plan->spec.time_problems == 0) gather_times(*plan, outcomes, results);
+                    const SweepTimings timings = read_beside<SweepTimings>(results).value();
                     store_tables(results, sweep_tables(summary, timings));
                     write_beside(results, StoredFigures{sweep_figures(summary, timings)});
                     write_results(results, summary);
@@ -268,8 +236,8 @@ Study sweep_study(const SweepPlan& whole) {
               .manifest = [plan] { return manifest_of_sweep(*plan); }};
   for (const SweepItem& item : items_of(*plan))
     study.items.push_back({item.id, static_cast<double>(trials_in(*plan, item)),
-                           [plan, item](const std::filesystem::path&, const Watch& watch) {
-                             return compute(*plan, item, watch);
+                           [plan, item](const std::filesystem::path& into, const Watch& watch) {
+                             return compute(*plan, item, into, watch);
                            },
                            [plan, item](const Watch&) { return key_of_item(*plan, item); }});
   if (plan->spec.time_problems > 0)

@@ -55,12 +55,6 @@ struct SweepCell {
   double p50_iterations = kNone;
   double p99_iterations = kNone;
   double max_iterations = kNone;
-  // -log10(|x - x*| / |x*|), from 0 to 15, x* the minimum that damped Gauss-Newton finds with a tight step
-  // rule; over the first trials, where both answered.
-  std::uint64_t digits_trials = 0;
-  double mean_digits = kNone;
-  double p50_digits = kNone;  // to within 0.002
-  double min_digits = kNone;
 
   double axis_mean_mae_m() const { return (axis_mae_m[0] + axis_mae_m[1] + axis_mae_m[2]) / 3.0; }
 
@@ -69,7 +63,7 @@ struct SweepCell {
                 axis_mae_m)
     field("axis_mean_mae_m", self.axis_mean_mae_m());
     TRILAT_EACH(rmse_m, p50_m, p95_m, max_m, start_mae_m, mean_iterations, p50_iterations, p99_iterations,
-                max_iterations, digits_trials, mean_digits, p50_digits, min_digits)
+                max_iterations)
   }
 };
 

@@ -196,12 +196,8 @@ std::vector<std::size_t> readings_in_full(const SweepSummary& s) {
   return {leaders.begin(), leaders.end()};
 }
 
-const SweepCellTiming* timing_of(const std::optional<SweepTimings>& timings, const SweepCell& cell) {
-  if (!timings) return nullptr;
-  for (const SweepCellTiming& t : timings->cells)
-    if (t.interpretation == cell.interpretation && t.threshold == cell.threshold && t.range == cell.range)
-      return &t;
-  return nullptr;
+double solve_us(const SweepSummary& s, const SweepTimings& timings, const SweepCell& cell) {
+  return timings.solve_us.at(static_cast<std::size_t>(&cell - s.cells.data()));
 }
 
 namespace {
@@ -209,16 +205,10 @@ namespace {
 constexpr std::size_t kMostCells = 200;  // in a table that is shown
 
 // Every number of every cell, with each of its settings in a column.
-Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
   using R = SweepCell;
   const auto reading = [&](std::string SweepInterpretation::*member) {
     return as_text([&s, member](const R& r) { return s.interpretations[r.interpretation].*member; });
-  };
-  const auto us = [&](double SweepCellTiming::*median_ns) {
-    return as_number(3, 1.0 / kNsPerMicrosecond, [&timings, median_ns](const R& r) {
-      const SweepCellTiming* time = timing_of(timings, r);
-      return time ? time->*median_ns : kNoNumber;
-    });
   };
   const auto bound_m = [](double sigmas) {
     return [=](const R& r) { return r.mae_m + sigmas * r.mae_standard_error_m; };
@@ -254,10 +244,8 @@ Table sweep_table(const SweepSummary& s, const std::optional<SweepTimings>& timi
        {"p50", "iterations_p50", as_number(0, &R::p50_iterations)},
        {"p99", "iterations_p99", as_number(0, &R::p99_iterations)},
        {"max", "iterations_max", as_number(0, &R::max_iterations)},
-       {"digits", "digits_mean", as_number(1, &R::mean_digits)},
-       {"digits min", "digits_min", as_number(1, &R::min_digits)},
-       {"one (us)", "scalar_us", us(&SweepCellTiming::scalar_median_ns)},
-       {"batched (us)", "batched_us", us(&SweepCellTiming::batched_median_ns)},
+       {timings.problems > 0 ? "a solve" : "a trial", "time_us",
+        as_number(3, [&](const R& r) { return solve_us(s, timings, r); })},
        {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}});
   add_notes(table, "sweep");
   return table;
@@ -326,7 +314,7 @@ std::string threshold_sentence(const SweepSummary& s) {
 
 }  // namespace
 
-StoredTables sweep_tables(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+StoredTables sweep_tables(const SweepSummary& s, const SweepTimings& timings) {
   StoredTables shown;
   shown.title = s.study;
   shown.asked = "What does the stopping threshold C cost, and what does it bring?";

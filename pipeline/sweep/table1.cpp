@@ -19,8 +19,8 @@ struct Place {
   std::size_t threshold = 0, range = 0;
 };
 
-Table table_of_readings(const SweepSummary& s, const std::optional<SweepTimings>& timings,
-                        const PrintedTable1& paper, const Table1Readings& readings) {
+Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, const PrintedTable1& paper,
+                        const Table1Readings& readings) {
   std::vector<Place> rows;
   for (std::size_t r = 0; r < s.ranges.size(); ++r)
     for (std::size_t t = 0; t < s.thresholds.size(); ++t) rows.push_back({t, r});
@@ -38,9 +38,8 @@ Table table_of_readings(const SweepSummary& s, const std::optional<SweepTimings>
     }));
   };
   const auto time = [&](Reading reading) {
-    return as_number(2, of_cell(reading, [&timings](const SweepCell& c) {
-                       const SweepCellTiming* cell = timing_of(timings, c);
-                       return cell ? cell->scalar_median_ns / kNsPerMicrosecond : SweepCell::kNone;
+    return as_number(2, of_cell(reading, [&](const SweepCell& c) {
+                       return timings.problems > 0 ? solve_us(s, timings, c) : SweepCell::kNone;
                      }));
   };
   const auto steps = [&](Reading reading) {
@@ -139,7 +138,7 @@ bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
 
 }  // namespace
 
-std::vector<Table> table1(const SweepSummary& s, const std::optional<SweepTimings>& timings) {
+std::vector<Table> table1(const SweepSummary& s, const SweepTimings& timings) {
   const PrintedTable1 paper = printed_table1();
   std::vector<Table> tables;
   for (const Table1Readings& readings : table1_readings(s, paper))

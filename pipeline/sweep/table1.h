@@ -27,8 +27,8 @@ struct Table1Readings {
 std::vector<Table1Readings> table1_readings(const SweepSummary& summary, const PrintedTable1& paper);
 
 // The paper's Table I beside ours, one table for each reading that was run with the printed and with the
-// corrected gradient: propagation error, iterations and time of a solve. Empty when the sweep's thresholds or
-// error ranges are not the paper's.
-std::vector<Table> table1(const SweepSummary& summary, const std::optional<SweepTimings>& timings);
+// corrected gradient: propagation error, iterations and, in a sweep with time_problems, time of a solve.
+// Empty when the sweep's thresholds or error ranges are not the paper's.
+std::vector<Table> table1(const SweepSummary& summary, const SweepTimings& timings);
 
 }  // namespace trilat

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import pandas
 
-NEWEST_SUMMARY = 8
+NEWEST_SUMMARY = 9
 NEWEST_MANIFEST = 2
-NEWEST_TAKE = 1
+NEWEST_TAKE = 2
 ANSWERS = ("converged", "closed_form", "clamped", "given")
 AXES = "xyz"
 

@@ -15,7 +15,6 @@ using Boolean = std::uint8_t;   // BOOLEAN, not BOOL
 inline constexpr HResult kOk = 0;
 inline constexpr HResult kPending = static_cast<HResult>(0x8000000A);  // E_PENDING: no new frame yet
 inline constexpr HResult kFailed = static_cast<HResult>(0x80004005);   // E_FAIL
-inline constexpr HResult kNoInterface = static_cast<HResult>(0x80004002);
 
 inline bool failed(HResult result) { return result < 0; }
 
@@ -24,13 +23,6 @@ inline constexpr std::uint32_t kFrameSourceBody = 32;
 inline constexpr std::uint32_t kBodyCount = 6;
 inline constexpr std::uint32_t kJointTypeCount = 25;
 inline constexpr std::uint32_t kUniqueIdChars = 256;
-
-struct Guid {
-  std::uint32_t data1;
-  std::uint16_t data2, data3;
-  std::uint8_t data4[8];
-  bool operator==(const Guid&) const = default;
-};
 
 struct Vector4 {
   float x, y, z, w;
@@ -58,7 +50,6 @@ struct CameraIntrinsics {
 };
 
 static_assert(sizeof(Boolean) == 1 && sizeof(WaitableHandle) == sizeof(void*));
-static_assert(sizeof(Guid) == 16 && offsetof(Guid, data4) == 8);
 static_assert(sizeof(Vector4) == 16 && sizeof(CameraSpacePoint) == 12);
 static_assert(sizeof(Joint) == 20 && offsetof(Joint, position) == 4 && offsetof(Joint, tracking_state) == 16);
 static_assert(sizeof(JointOrientation) == 20 && offsetof(JointOrientation, orientation) == 4);
@@ -91,9 +82,9 @@ class ComPointer {
 };
 
 // The order of the functions is that of the SDK's tables and must not change. Those without parameters are
-// never called, but for Open and Close; they only hold their place.
+// never called, but for Open, Close, AddRef and Release; they only hold their place.
 struct IUnknown {
-  virtual HResult QueryInterface(const Guid& id, void** out) = 0;
+  virtual HResult QueryInterface() = 0;
   virtual std::uint32_t AddRef() = 0;
   virtual std::uint32_t Release() = 0;
 
@@ -102,7 +93,6 @@ struct IUnknown {
 };
 
 struct IDepthFrame : IUnknown {
-  static constexpr Guid kId{0xD8600853, 0x8835, 0x44F9, {0x84, 0xA7, 0xE6, 0x17, 0xCD, 0xD7, 0xDF, 0xDD}};
   virtual HResult CopyFrameDataToArray(std::uint32_t capacity, std::uint16_t* depth_mm) = 0;
   virtual HResult AccessUnderlyingBuffer() = 0;
   virtual HResult get_FrameDescription() = 0;
@@ -116,7 +106,6 @@ struct IDepthFrame : IUnknown {
 };
 
 struct IDepthFrameReference : IUnknown {
-  static constexpr Guid kId{0x20621E5E, 0xABC9, 0x4EBD, {0xA7, 0xEE, 0x4C, 0x77, 0xED, 0xD0, 0x15, 0x2A}};
   virtual HResult AcquireFrame(IDepthFrame** frame) = 0;
   virtual HResult get_RelativeTime(Timespan* time) = 0;
 
@@ -125,7 +114,6 @@ struct IDepthFrameReference : IUnknown {
 };
 
 struct IBody : IUnknown {
-  static constexpr Guid kId{0x46AEF731, 0x98B0, 0x4D18, {0x82, 0x7B, 0x93, 0x37, 0x58, 0x67, 0x8F, 0x4A}};
   virtual HResult GetJoints(std::uint32_t capacity, Joint* joints) = 0;
   virtual HResult GetJointOrientations(std::uint32_t capacity, JointOrientation* orientations) = 0;
   virtual HResult get_Engaged() = 0;
@@ -148,7 +136,6 @@ struct IBody : IUnknown {
 };
 
 struct IBodyFrame : IUnknown {
-  static constexpr Guid kId{0x52884F1F, 0x94D7, 0x4B57, {0xBF, 0x87, 0x92, 0x26, 0x95, 0x09, 0x80, 0xD5}};
   virtual HResult GetAndRefreshBodyData(std::uint32_t capacity, IBody** bodies) = 0;
   virtual HResult get_FloorClipPlane(Vector4* plane) = 0;
   virtual HResult get_RelativeTime(Timespan* time) = 0;
@@ -159,7 +146,6 @@ struct IBodyFrame : IUnknown {
 };
 
 struct IBodyFrameReference : IUnknown {
-  static constexpr Guid kId{0xC3A1733C, 0x5F84, 0x443B, {0x96, 0x59, 0x2F, 0x2B, 0xE2, 0x50, 0xC9, 0x7D}};
   virtual HResult AcquireFrame(IBodyFrame** frame) = 0;
   virtual HResult get_RelativeTime(Timespan* time) = 0;
 
@@ -168,7 +154,6 @@ struct IBodyFrameReference : IUnknown {
 };
 
 struct IMultiSourceFrame : IUnknown {
-  static constexpr Guid kId{0x29A63AFB, 0x76CE, 0x4359, {0x89, 0x5A, 0x99, 0x7F, 0x1E, 0x09, 0x4D, 0x1C}};
   virtual HResult get_ColorFrameReference() = 0;
   virtual HResult get_DepthFrameReference(IDepthFrameReference** reference) = 0;
   virtual HResult get_BodyFrameReference(IBodyFrameReference** reference) = 0;
@@ -181,7 +166,6 @@ struct IMultiSourceFrame : IUnknown {
 };
 
 struct IMultiSourceFrameReference : IUnknown {
-  static constexpr Guid kId{0xDD70E845, 0xE283, 0x4DD1, {0x8D, 0xAF, 0xFC, 0x25, 0x9A, 0xC5, 0xF9, 0xE3}};
   virtual HResult AcquireFrame(IMultiSourceFrame** frame) = 0;
 
  protected:
@@ -189,7 +173,6 @@ struct IMultiSourceFrameReference : IUnknown {
 };
 
 struct IMultiSourceFrameArrivedEventArgs : IUnknown {
-  static constexpr Guid kId{0x3532F40B, 0xD908, 0x451D, {0xBB, 0xF4, 0x6C, 0xA7, 0x3B, 0x78, 0x25, 0x58}};
   virtual HResult get_FrameReference(IMultiSourceFrameReference** reference) = 0;
 
  protected:
@@ -197,7 +180,6 @@ struct IMultiSourceFrameArrivedEventArgs : IUnknown {
 };
 
 struct IMultiSourceFrameReader : IUnknown {
-  static constexpr Guid kId{0xC0F6432B, 0x9FFE, 0x4AB3, {0xA6, 0x83, 0xF3, 0x7C, 0x72, 0xBB, 0xB1, 0x58}};
   virtual HResult SubscribeMultiSourceFrameArrived(WaitableHandle* handle) = 0;
   virtual HResult UnsubscribeMultiSourceFrameArrived(WaitableHandle handle) = 0;
   virtual HResult GetMultiSourceFrameArrivedEventData(WaitableHandle handle,
@@ -213,7 +195,6 @@ struct IMultiSourceFrameReader : IUnknown {
 };
 
 struct ICoordinateMapper : IUnknown {
-  static constexpr Guid kId{0x8784DF2D, 0x16B0, 0x481C, {0xA1, 0x1E, 0x55, 0xE7, 0x0B, 0xF2, 0x50, 0x18}};
   virtual HResult SubscribeCoordinateMappingChanged() = 0;
   virtual HResult UnsubscribeCoordinateMappingChanged() = 0;
   virtual HResult GetCoordinateMappingChangedEventData() = 0;
@@ -237,7 +218,6 @@ struct ICoordinateMapper : IUnknown {
 };
 
 struct IKinectSensor : IUnknown {
-  static constexpr Guid kId{0x3C6EBA94, 0x0DE1, 0x4360, {0xB6, 0xD4, 0x65, 0x3A, 0x10, 0x79, 0x4C, 0x8B}};
   virtual HResult SubscribeIsAvailableChanged() = 0;
   virtual HResult UnsubscribeIsAvailableChanged() = 0;
   virtual HResult GetIsAvailableChangedEventData() = 0;

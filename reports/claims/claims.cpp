@@ -54,6 +54,17 @@ std::string p_text(const JudgedClaim& claim) {
   return claim.p < kLeast ? "< 0.0001" : fmt::format("{:.4f}", claim.p);
 }
 
+std::string both(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + "; " + b;
+}
+
+std::string effect_of(const std::string& erratum, const PaperFindings& findings) {
+  const auto stored = findings.evidence.errata.find(erratum);
+  const auto numbers = findings.errata.find(erratum);
+  return both(stored == findings.evidence.errata.end() ? std::string() : stored->second,
+              numbers == findings.errata.end() ? std::string() : numbers_text(numbers->second));
+}
+
 }  // namespace
 
 std::string numbers_text(const std::vector<ClaimNumber>& numbers) {
@@ -81,6 +92,27 @@ Table claims_table(const PaperFindings& findings) {
   table.first_columns = 4;
   add_notes(table, "paper_claims", {{"source", printed_errata().source}});
   if (findings.evidence.any_simulated) add_notes(table, "simulated_claims");
+  return table;
+}
+
+Table errata_table(const PaperFindings& findings) {
+  using R = PrintedErrata::Erratum;
+  const auto effect = [&](const R& r) {
+    const std::string text = effect_of(r.id, findings);
+    if (!text.empty()) return text;
+    return std::string(r.changes_results ? "its study is not among these results" : "none on a result");
+  };
+  Table table = table_of<R>("errata",
+                            std::string("What is printed that cannot be so, and what the difference does") +
+                                (findings.evidence.any_simulated ? " (simulated)" : ""),
+                            printed_errata().errata,
+                            {{"erratum", "erratum", as_text(&R::id)},
+                             {"where", "where", as_text(&R::where)},
+                             {"printed", "printed", as_text(&R::printed)},
+                             {"why not", "problem", as_text(&R::problem)},
+                             {"corrected", "corrected", as_text(&R::corrected)},
+                             {"effect in these results", "effect", as_text(effect)}});
+  add_notes(table, "errata");
   return table;
 }
 

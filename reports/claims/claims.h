@@ -15,10 +15,6 @@ Table claims_table(const PaperFindings& findings);
 // "6.4 % (5.9 to 6.9)" of each number, after what it is. A dash without any.
 std::string numbers_text(const std::vector<ClaimNumber>& numbers);
 
-// Implications of the paper's own printed numbers, recomputed from them alone (errata E12 to E15), and which
-// of them agree with each other.
-Table audit_table();
-
 // Every erratum: what is printed, why it cannot be so, what replaces it, and the effect of the difference in
 // these results, where a study of it was run.
 Table errata_table(const PaperFindings& findings);

@@ -54,8 +54,8 @@ PageSection replay_section(const ReportContent& content, const std::string& thre
   if (!left_out.empty())
     left_out = "<p class=\"soft\">Left out, to keep the page small: " + html_text(left_out) + ".</p>\n";
   section.html = fmt::format(
-      "<p>The first take of each condition, at most 35&nbsp;s of it{}: what every sensor’s body tracker "
-      "gave, one method’s estimate, and the truth, before any alignment.</p>\n{}<div class=\"replay\" "
+      "<p>The first take of each condition, at most 35&nbsp;s of it{}: the truth and one method’s "
+      "estimate, before any alignment.</p>\n{}<div class=\"replay\" "
       "id=\"replay-view\"><p class=\"soft\">The replay needs a browser with JavaScript and "
       "WebGL.</p></div>\n{}<script type=\"text/plain\" id=\"three-js\">{}</script>\n<script>\n{}</script>\n",
       simulated ? ", <strong>simulated</strong>" : "", left_out, data, base64_of(deflated(three_js)),

@@ -183,11 +183,7 @@ PageSection claims_section(const ReportContent& content) {
 
 PageSection errata_section(const ReportContent& content) {
   PageSection section{"errata", "What the paper prints that cannot be so", {}};
-  if (content.audit.empty()) return section;
-  section.html = html_of(content.audit.front());
-  std::string links;
-  for (std::size_t t = 1; t < content.audit.size(); ++t) links += table_link(content.audit[t]);
-  section.html += folded(content.audit.size() - 1, "table of the paper's own numbers, recomputed", links);
+  if (content.errata) section.html = html_of(*content.errata);
   return section;
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A take in 3-D: what every sensor's body tracker gave, the truth, and the estimate of one method.
+// A take in 3-D: the truth, and the estimate of one method.
 "use strict";
 (() => {
   const box = document.getElementById("replay-view");
   const takes = [...document.querySelectorAll("script.take")];
   const kNone = -32768, kTruth = 0xffffff, kError = 0xffb347;
-  const kSensorColours = [0x6f8fc4, 0xc48f6f, 0x78b57e, 0xb578a8, 0xaea76a, 0x6ab0ac, 0x9488cc, 0xb87676];
 
   const make = (tag, properties = {}, ...children) => {
     const element = Object.assign(document.createElement(tag), properties);
@@ -22,8 +21,8 @@
     return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
   };
 
-  // The take with point(number, instant): x, y, z in metres, or nothing. Points: every sensor's Kinect joints, the truth
-  // of every evaluated joint, every method's estimates.
+  // The take with point(number, instant): x, y, z in metres, or nothing. Points: the truth of every evaluated joint, then
+  // every method's estimates.
   const unpack = async (text) => {
     const take = JSON.parse(text), values = new Int16Array(await inflated(take.points)), n = take.instants;
     for (let i = 0; i < values.length; ++i) if (i % n) values[i] += values[i - 1];
@@ -31,10 +30,7 @@
       const at = number * 3 * n + instant;
       return values[at] === kNone ? null : [values[at] / 1000, values[at + n] / 1000, values[at + 2 * n] / 1000];
     };
-    const kinect = take.skeleton.names.length;
-    take.ofSensor = (s) => s * kinect;
-    take.ofTruth = take.sensors.length * kinect;
-    take.ofMethod = (m) => take.ofTruth + (m + 1) * take.joints.length;
+    take.ofMethod = (m) => (m + 1) * take.joints.length;
     return take;
   };
 
@@ -50,7 +46,7 @@
     const sum = [0, 0, 0];
     let count = 0;
     for (let i = 0; i < take.instants; i += 15)
-      for (const point of take.joints.map((_, j) => take.point(take.ofTruth + j, i)).filter(Boolean)) {
+      for (const point of take.joints.map((_, j) => take.point(j, i)).filter(Boolean)) {
         point.forEach((x, k) => { sum[k] += x; });
         ++count;
       }
@@ -71,8 +67,7 @@
       scene.add(object);
       return object;
     };
-    const lines = (count, color, opacity = 1) => add(new T.LineSegments(geometry(2 * count),
-      new T.LineBasicMaterial({ color, opacity, transparent: true })));
+    const lines = (count, color) => add(new T.LineSegments(geometry(2 * count), new T.LineBasicMaterial({ color })));
     const dots = (count, color, size) => add(new T.Points(geometry(count), new T.PointsMaterial({ color, size })));
     // Moves the points of an object; where one of a line's ends is missing, no line is drawn.
     const move = (object, points, each) => {
@@ -85,28 +80,20 @@
     };
 
     const { skeleton, joints } = take;
-    const kinectBones = bonesOf(skeleton, skeleton.names), bones = bonesOf(skeleton, joints);
-    const sensors = take.sensors.map((sensor, s) => {
-      const color = kSensorColours[s % kSensorColours.length];
-      const body = add(new T.Mesh(new T.BoxGeometry(0.25, 0.07, 0.07), new T.MeshBasicMaterial({ color })));
-      body.position.fromArray(sensor.position_m);
-      return lines(kinectBones.length, color, 0.5);
-    });
+    const bones = bonesOf(skeleton, joints);
     const truth = { lines: lines(bones.length, kTruth), dots: dots(joints.length, kTruth, 0.07) };
     const estimate = { lines: lines(bones.length, 0), dots: dots(joints.length, 0, 0.05) };
     const errors = lines(joints.length, kError);
-    const ofBones = (pairs, first, i) => pairs.flat().map((joint) => take.point(first + joint, i));
     const moveBody = (body, first, i) => {
-      move(body.lines, ofBones(bones, first, i), 2);
+      move(body.lines, bones.flat().map((joint) => take.point(first + joint, i)), 2);
       move(body.dots, joints.map((_, j) => take.point(first + j, i)), 1);
     };
     return { scene, show: (i, method) => {
       const first = take.ofMethod(method);
-      sensors.forEach((sensor, s) => move(sensor, ofBones(kinectBones, take.ofSensor(s), i), 2));
       for (const part of Object.values(estimate)) part.material.color.set(take.colours[method]);
-      moveBody(truth, take.ofTruth, i);
+      moveBody(truth, 0, i);
       moveBody(estimate, first, i);
-      const pairs = joints.map((_, j) => [take.point(take.ofTruth + j, i), take.point(first + j, i)]);
+      const pairs = joints.map((_, j) => [take.point(j, i), take.point(first + j, i)]);
       move(errors, pairs.flat(), 2);
       const found = pairs.filter(([a, b]) => a && b).map(([a, b]) => 100 * Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
       return found.reduce((sum, cm) => sum + cm, 0) / found.length;
@@ -184,8 +171,7 @@
       overlay.replaceChildren(
         `${take.simulated ? "simulated" : "recorded"}, ${seconds.toFixed(2)} of ${take.span_s.toFixed(1)} s`,
         coloured("truth", kTruth), coloured(`${take.methods[m]}, all joints: ${cm === cm ? `${cm.toFixed(1)} cm` : "no answer"}`,
-          parseInt(take.colours[m].slice(1), 16)), coloured("from truth to estimate", kError),
-        ...take.sensors.map(({ name }, s) => coloured(name, kSensorColours[s % kSensorColours.length])));
+          parseInt(take.colours[m].slice(1), 16)), coloured("from truth to estimate", kError));
       renderer.render(shown.scene, view.camera);
     };
     const redraw = () => {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -19,6 +18,8 @@ namespace trilat {
 namespace {
 
 constexpr double kMostRate_hz = 15.0;
+constexpr std::int64_t kShown_ns = 35'000'000'000;
+constexpr std::uint64_t kMostInstants = 35 * 1000;  // of a study's rate at most 1 kHz
 
 std::int16_t millimetres(double metres) {
   constexpr std::int16_t kNone = -32768;
@@ -27,7 +28,7 @@ std::int16_t millimetres(double metres) {
   return std::isfinite(mm) && std::abs(mm) <= kFarthest_mm ? static_cast<std::int16_t>(mm) : kNone;
 }
 
-// Every `step`th of a replay's instants.
+// Every `step`th of the first `instants`.
 class Packer {
  public:
   Packer(std::uint64_t instants, std::uint64_t step) : instants_(instants), step_(step) {}
@@ -77,27 +78,17 @@ Json skeleton_json() {
   return {{"names", names}, {"parents", parents}};
 }
 
-Json sensors_json(const Replay& replay) {
-  Json sensors = Json::array();
-  for (std::size_t s = 0; s < replay.sensors.size(); ++s) {
-    const Eigen::Vector3d& t = replay.world_from_sensor[s].translation_m;
-    sensors.push_back({{"name", replay.sensors[s]}, {"position_m", {t.x(), t.y(), t.z()}}});
-  }
-  return sensors;
-}
-
-PackedReplay pack(const Replay& replay, const StoredTake& take, const ResultsSummary& summary) {
+PackedReplay pack(const StoredTake& take, const ResultsSummary& summary) {
   const TakeHead& head = take.head();
-  const SampleBlock block = take.read(0, 0, replay.instants, SampleColumns::errors);
-  const double span_s = static_cast<double>(block.time_ns.back() - block.time_ns.front()) * 1e-9;
-  const double rate_hz = span_s > 0.0 ? static_cast<double>(replay.instants - 1) / span_s : 0.0;
-  Packer packer(
-      replay.instants,
-      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(rate_hz / kMostRate_hz - 0.01))));
-  const std::size_t row = replay.sensors.size() * kJointCount * 3, joints = head.joints.size(),
-                    methods = head.methods.size();
-  for (std::size_t c = 0; c < row; ++c)
-    packer.add([&](std::uint64_t i) { return double{replay.joint_m[i * row + c]}; });
+  const SampleBlock block = take.read(0, 0, std::min(head.instants, kMostInstants), SampleColumns::errors);
+  const auto since_start_ns = [&](std::int64_t time_ns) { return time_ns - block.time_ns.front(); };
+  const auto end = std::ranges::upper_bound(block.time_ns, kShown_ns, {}, since_start_ns);
+  const auto instants = static_cast<std::uint64_t>(end - block.time_ns.begin());
+  const double span_s = static_cast<double>(since_start_ns(block.time_ns[instants - 1])) * 1e-9;
+  const double rate_hz = span_s > 0.0 ? static_cast<double>(instants - 1) / span_s : 0.0;
+  Packer packer(instants, std::max<std::uint64_t>(
+                              1, static_cast<std::uint64_t>(std::ceil(rate_hz / kMostRate_hz - 0.01))));
+  const std::size_t joints = head.joints.size(), methods = head.methods.size();
   for (std::size_t c = 0; c < joints * 3; ++c)
     packer.add([&](std::uint64_t i) { return block.truth_m[i * joints * 3 + c]; });
   Json names = Json::array(), colours = Json::array();
@@ -115,7 +106,6 @@ PackedReplay pack(const Replay& replay, const StoredTake& take, const ResultsSum
                   {"simulated", summary.simulated},
                   {"instants", packer.count()},
                   {"span_s", span_s},
-                  {"sensors", sensors_json(replay)},
                   {"skeleton", skeleton_json()},
                   {"joints", head.joints},
                   {"methods", names},
@@ -129,11 +119,12 @@ PackedReplay pack(const Replay& replay, const StoredTake& take, const ResultsSum
 std::vector<PackedReplay> packed_replays(const std::filesystem::path& results,
                                          const ResultsSummary& summary) {
   std::vector<PackedReplay> packed;
+  std::set<std::string> conditions;
   for (const ResultTake& take : result_takes(results)) {
     if (take.folder.empty()) continue;
     const StoredTake file = open_take(take);
-    const std::optional<Replay> replay = file.read_replay();
-    if (replay && replay->instants > 0) packed.push_back(pack(*replay, file, summary));
+    if (file.head().instants > 0 && conditions.insert(file.head().condition).second)
+      packed.push_back(pack(file, summary));
   }
   return packed;
 }

@@ -120,4 +120,49 @@ std::string markdown_of(const Table& table) {
   return text + (table.notes.empty() ? "" : "\n");
 }
 
+namespace {
+
+constexpr std::size_t kEnds = 2;  // the last columns sum a table up, and stay on a narrow terminal
+
+std::string terminal_cell(const TableValue& value) {
+  std::string text = printed(value);
+  if (value.mark == TableValue::Mark::best) text += " *";
+  if (value.mark == TableValue::Mark::like_best) text += " ≈";
+  if (const std::string interval = printed_interval(value); !interval.empty()) text += " (" + interval + ")";
+  return one_line(value.beside.empty() ? text : text + "; " + value.beside);
+}
+
+}  // namespace
+
+std::string terminal_text(const Table& table, std::size_t width) {
+  const std::size_t rows =
+      table.first_rows > 0 ? std::min(table.first_rows, table.rows.size()) : table.rows.size();
+  std::vector<std::vector<std::string>> columns;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    std::vector<std::string> cells{header_of(table.columns[c])};
+    for (std::size_t r = 0; r < rows; ++r) cells.push_back(terminal_cell(table.rows[r][c]));
+    std::size_t widest = 0;
+    for (const std::string& cell : cells) widest = std::max(widest, width_of(cell));
+    for (std::string& cell : cells) cell = padded(cell, widest, table.columns[c].is_text);
+    columns.push_back(std::move(cells));
+  }
+  const auto width_of_all = [&] {
+    std::size_t used = 0;
+    for (const auto& cells : columns) used += width_of(cells[0]) + 2;
+    return used - 2;
+  };
+  while (columns.size() > kEnds + 2 && width_of_all() > width) columns.erase(columns.end() - kEnds - 1);
+  std::vector<std::string> lines(rows + 1);
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (std::size_t r = 0; r <= rows; ++r) lines[r] += (c == 0 ? "" : "  ") + columns[c][r];
+  std::string text;
+  for (const std::string& line : lines_of(one_line(table.title), width)) text += line + '\n';
+  for (const std::string& line : lines) text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+  const std::size_t rows_left = table.rows.size() - rows,
+                    columns_left = table.columns.size() - columns.size();
+  if (rows_left + columns_left > 0)
+    text += fmt::format("{} rows and {} columns more are in the report\n", rows_left, columns_left);
+  return text;
+}
+
 }  // namespace trilat

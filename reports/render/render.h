@@ -25,4 +25,9 @@ std::string printed_interval(const TableValue& value);
 
 std::string markdown_of(const Table& table);
 
+// Title, rows and notes for a terminal: the first rows where a table has many, and the first and the last
+// columns as they fit into so many characters; what is left out is counted. Best and its like are marked `*`
+// and `≈`.
+std::string terminal_text(const Table& table, std::size_t width);
+
 }  // namespace trilat

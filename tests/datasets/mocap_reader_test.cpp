@@ -20,13 +20,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string keys(const std::string& version, const std::string& unit = "Meters",
-                 const std::string& rotation = "Quaternion") {
+std::string keys(const std::string& version, const std::string& unit = "Meters") {
   return "Format Version," + version +
          ",Take Name,walk,Take Notes,,Capture Frame Rate,100.000000,Export Frame Rate,100.000000,Capture "
          "Start Time,2024-05-01 10.00.00.000 DU.,Total Frames in Take,9,Total Exported Frames,9,Rotation "
-         "Type," +
-         rotation + ",Length Units," + unit + ",Coordinate Space,Global\n";
+         "Type,Quaternion,Length Units," +
+         unit + ",Coordinate Space,Global\n";
 }
 
 std::string repeat(const std::string& text, int count) {
@@ -78,9 +77,7 @@ void expect_wand(const MocapTake& take) {
   ASSERT_EQ(take.frames.size(), 3u);
   EXPECT_EQ(take.frames[0].poses[0].position_m, Eigen::Vector3d(1.5, 2.5, -3.5));
   EXPECT_EQ(take.frames[1].poses[0].position_m, Eigen::Vector3d(1.6, 2.5, -3.5));
-  EXPECT_TRUE(take.frames[0].poses[0].has_rotation());
   EXPECT_FALSE(take.frames[2].poses[0].has_position());
-  EXPECT_FALSE(take.frames[2].poses[0].has_rotation());
   EXPECT_EQ(take.frames[0].poses[1].position_m, Eigen::Vector3d(4, 5, 6));
   EXPECT_FALSE(take.frames[1].poses[1].has_position());
   EXPECT_EQ(take.frames[2].poses[1].position_m, Eigen::Vector3d(4, 5, 7));
@@ -105,7 +102,6 @@ TEST(MocapReader, KeepsWhatTheHeaderSays) {
   EXPECT_EQ(header.total_exported_frames, 9);
   EXPECT_FALSE(header.capture_start_frame);
   EXPECT_EQ(header.coordinate_space, "Global");
-  EXPECT_FALSE(header.left_handed);
   EXPECT_EQ(header.assets[1].id, "2A:77");
 }
 
@@ -169,39 +165,6 @@ TEST(MocapReader, ConvertsEveryUnitToMetres) {
         take.frames.at(0).poses.at(0).position_m.isApprox(Eigen::Vector3d(10, 20, -5) * metres, 1e-15))
         << unit;
   }
-}
-
-std::string euler_take(const std::string& order) {
-  return keys("1.23", "Meters", order) + "\n,Type" + repeat(",Rigid Body", 6) + "\n,Name" + repeat(",b", 6) +
-         "\n,ID" + repeat(",1", 6) +
-         "\n,,Rotation,Rotation,Rotation,Position,Position,Position\n"
-         "Frame,Time (Seconds),X,Y,Z,X,Y,Z\n0,0,90,0,0,0,0,0\n1,0.01,90,90,0,0,0,0\n"
-         "2,0.02,10,20,30,0,0,0\n";
-}
-
-TEST(MocapReader, TurnsEulerAnglesOfEveryOrderIntoQuaternions) {
-  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  for (const char* order : {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"}) {
-    const MocapTake take = read(euler_take(order));
-    EXPECT_TRUE((take.frames.at(0).poses[0].rotation * z).isApprox(Eigen::Vector3d(0, -1, 0), 1e-12))
-        << order;
-    Eigen::Matrix3d product = Eigen::Matrix3d::Identity();
-    for (const char axis : std::string(order))
-      product *= Eigen::AngleAxisd((axis - 'X' + 1) * 10.0 * kRadPerDegree, Eigen::Vector3d::Unit(axis - 'X'))
-                     .toRotationMatrix();
-    EXPECT_TRUE(take.frames.at(2).poses[0].rotation.toRotationMatrix().isApprox(product, 1e-12)) << order;
-  }
-  // First about x, then about the turned y, which points along z: z goes to -y and then to x.
-  EXPECT_TRUE(
-      (read(euler_take("XYZ")).frames.at(1).poses[0].rotation * z).isApprox(Eigen::Vector3d(1, 0, 0), 1e-12));
-  EXPECT_TRUE((read(euler_take("YXZ")).frames.at(1).poses[0].rotation * z)
-                  .isApprox(Eigen::Vector3d(0, -1, 0), 1e-12));
-}
-
-TEST(MocapReader, RefusesThreeRotationColumnsWithoutAnOrder) {
-  const Refusal refusal = csv_refusal(euler_take("Quaternion"));
-  EXPECT_EQ(refusal.place, "F:7");
-  EXPECT_THAT(refusal.problem, AllOf(HasSubstr("rigid_body \"b\""), HasSubstr("XYZ")));
 }
 
 TEST(MocapReader, MakesTimeFromTheFrameIndexNotFromRoundedDecimals) {
@@ -291,21 +254,28 @@ TEST(MocapReader, TreatsEverySpellingOfNoNumberAsMissing) {
   EXPECT_EQ(take.anomalies.not_finite_cells, 9);
 }
 
-TEST(MocapReader, DeliversSentinelsAsTheyStand) {
-  const MocapTake take = read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,-1,0,0,0,,,,\n");
-  EXPECT_EQ(take.frames.at(0).poses[0].position_m, Eigen::Vector3d::Zero());
-  EXPECT_EQ(take.frames[0].poses[0].rotation.w(), -1.0);
-}
-
-TEST(MocapReader, DropsHalfAPoseAndCountsIt) {
+TEST(MocapReader, DropsHalfAPositionAndCountsIt) {
   const MocapTake take =
       read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,,1,1,2,3,,4,,6\n1,0.01,0,0,0,2,1,2,3,,4,5,6\n");
-  EXPECT_FALSE(take.frames.at(0).poses[0].has_rotation());
-  EXPECT_TRUE(take.frames[0].poses[0].has_position());
+  EXPECT_TRUE(take.frames.at(0).poses[0].has_position());
   EXPECT_FALSE(take.frames[0].poses[1].has_position());
-  EXPECT_EQ(take.anomalies.partial_poses, 2);
-  EXPECT_FALSE(take.frames.at(1).poses[0].has_rotation());
-  EXPECT_EQ(take.anomalies.invalid_rotations, 1);
+  EXPECT_EQ(take.anomalies.partial_poses, 1);
+}
+
+TEST(MocapReader, RotationsAreNotReadAndAssetsWithNothingElseHaveNoPosition) {
+  const MocapTake take =
+      read(keys("1.23") + "\n,Type" + repeat(",Bone", 3) + "\n,Name" + repeat(",b", 3) + "\n,ID" +
+           repeat(",1", 3) + "\n,,Rotation,Rotation,Rotation\nFrame,Time (Seconds),X,Y,Z\n0,0,a,b,c\n");
+  ASSERT_EQ(take.header.assets.size(), 1u);
+  EXPECT_FALSE(take.header.assets[0].has_position);
+  EXPECT_FALSE(take.frames.at(0).poses[0].has_position());
+}
+
+TEST(MocapReader, RefusesTheRowsOfArenaWithTheLineThatConvertsThem) {
+  for (const char* first : {"comment,\"own\"", "righthanded", "info,version,1.1", "frame,0,0,0,0"})
+    EXPECT_THAT(csv_refusal(std::string(first) + "\n").problem,
+                AllOf(HasSubstr("in the rows of Arena"), HasSubstr("python3 -m trilat.convert arena "),
+                      HasSubstr(".motive.csv")));
 }
 
 TEST(MocapReader, LivesWithCutAndOverlongRows) {
@@ -439,118 +409,15 @@ void expect_same(const MocapTake& a, const MocapTake& b) {
 
 MocapTake read_in_blocks(const std::string& text, std::size_t block_bytes) {
   const TemporaryFile file(text);
-  MocapReader reader(file.path(), {.block_bytes = block_bytes});
+  MocapReader reader(file.path(), block_bytes);
   MocapTake take;
   for (MocapFrame frame; reader.next(frame);) take.frames.push_back(frame);
   take.header = reader.header();
   return take;
 }
 
-const std::string kRowFormat10 =
-    "comment,\"== own test file\"\nrighthanded\ninfo,framecount,3\ninfo,trackablecount,2\n"
-    "trackable,\"left, hand\",3,2,0.1,0,0,-0.1,0,0\ntrackable,\"wand\",1,1,0,0,0\n"
-    "frame,10,5.0210,1,3,1,2,3,0,0,0,1,0,0,0,2,1.1,2,3,0,0.9,2,3,0\n"
-    "trackable,10,5.0210,\"left, hand\",3,0,2,1.1,2,3,0.9,2,3,1.101,2,3,NAN,NAN,NAN,1,0,0.5,0,0.1\n"
-    "trackable,10,5.0210,\"wand\",1,77,1,7,7,7,NAN,NAN,NAN,0,0,0.1\n"
-    "frame,11,5.0252,2,3,1,2,3.5,0,0,0,1,0,0,0,1,-1,0,-2,0,0,1,0,0,0,0,0\n"
-    "trackable,11,5.0252,\"left, hand\",3,0,2,1.1,2,3,0.9,2,3,1.101,2,3,NAN,NAN,NAN,1,0,0.5,0,0.1\n"
-    "trackable,11,5.0252,\"wand\",1,0,1,-1,0,-2,-1,0,-2,1,1,0.1\n"
-    "frame,13,5.0291,0,0\n";
-
-TEST(MocapReader, ReadsTheOldRowFormat) {
-  const MocapTake take = read(kRowFormat10);
-  EXPECT_EQ(take.header.format, "OptiTrack row format 1.0");
-  EXPECT_TRUE(std::isnan(take.header.export_rate_hz));
-  EXPECT_EQ(take.header.total_exported_frames, 3);
-  EXPECT_EQ(take.header.first_frame, 10);
-  ASSERT_EQ(take.header.assets.size(), 8u);
-  EXPECT_EQ(take.header.assets[0].name, "left, hand");
-  const std::size_t hand = find_asset(take.header, "rigid_body:left, hand", "map");
-  const std::size_t wand = find_asset(take.header, "wand", "map");
-  ASSERT_EQ(take.frames.size(), 3u);
-  EXPECT_EQ(take.frames[0].poses[hand].position_m, Eigen::Vector3d(1, 2, 3));
-  EXPECT_FALSE(take.frames[0].poses[wand].has_position());
-  EXPECT_EQ(take.frames[1].poses[wand].rotation.z(), 1.0);
-  EXPECT_FALSE(take.frames[2].poses[hand].has_position());
-  EXPECT_EQ(take.frames[1].time.ns, 4'200'000);
-  EXPECT_EQ(take.frames[2].time.ns, 8'100'000);
-}
-
-TEST(MocapReader, OldRowsTellSolvedFromMeasuredMarkersAndLostBodies) {
-  const MocapTake take = read(kRowFormat10);
-  const auto pose = [&](std::size_t frame, const char* key) {
-    return take.frames.at(frame).poses[find_asset(take.header, key, "map")];
-  };
-  EXPECT_EQ(pose(0, "rigid_body_marker:left, hand:Marker2").position_m, Eigen::Vector3d(0.9, 2, 3));
-  EXPECT_EQ(pose(0, "marker:left, hand:Marker1").position_m, Eigen::Vector3d(1.101, 2, 3));
-  EXPECT_FALSE(pose(0, "marker:left, hand:Marker2").has_position());
-  EXPECT_FALSE(pose(0, "rigid_body_marker:wand:Marker1").has_position());
-  EXPECT_TRUE(pose(1, "rigid_body_marker:wand:Marker1").has_position());
-  EXPECT_EQ(take.anomalies.partial_poses, 0);
-  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
-}
-
-const std::string kRowFormat11 =
-    "comment,\"own\"\nlefthanded\ninfo,version,1.1\ninfo,framecount,2\ninfo,rigidbodycount,1\n"
-    "rigidbody,\"Body 1\",1,1,0,0,0\n"
-    "frame,0,0.00000000,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n"
-    "rigidbody,0,0.00000000,\"Body 1\",1,0,1,1,2,3,6,1,2,3.5,1,0.5,0.001\n"
-    "frame,1,0.00833333,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n";
-
-TEST(MocapReader, ReadsTheNewerRowFormatAndMirrorsALeftHandedOne) {
-  const MocapTake take = read(kRowFormat11);
-  EXPECT_EQ(take.header.format, "OptiTrack row format 1.1");
-  EXPECT_TRUE(take.header.left_handed);
-  ASSERT_EQ(take.frames.size(), 2u);
-  const MocapPose& body = take.frames[0].poses[0];
-  EXPECT_EQ(body.position_m, Eigen::Vector3d(1, 2, -3));
-  EXPECT_NEAR(body.rotation.x(), -0.6, 1e-12);
-  EXPECT_NEAR(body.rotation.w(), 0.8, 1e-12);
-  EXPECT_EQ(take.frames[0].poses[find_asset(take.header, "marker:Body 1:Marker1", "map")].position_m,
-            Eigen::Vector3d(1, 2, -3.5));
-  EXPECT_EQ(take.frames[1].time.ns, 8'333'330);
-}
-
-TEST(MocapReader, MirroringKeepsRotatedPointsMirrored) {
-  const Eigen::Vector3d point(0.3, -0.7, 1.1);
-  const auto mirrored = [](Eigen::Vector3d p) { return Eigen::Vector3d(p.x(), p.y(), -p.z()); };
-  MocapPose pose;
-  pose.position_m = {1, 2, 3};
-  pose.rotation = Eigen::Quaterniond(0.5, 0.1, -0.7, 0.3).normalized();
-  const Eigen::Vector3d before = pose.rotation * point + pose.position_m;
-  make_right_handed(pose);
-  EXPECT_TRUE((pose.rotation * mirrored(point) + pose.position_m).isApprox(mirrored(before), 1e-12));
-}
-
-TEST(MocapReader, LivesWithRepeatedIndicesAndExtraFieldsInOldRows) {
-  const std::string head = "comment,x\nrighthanded\ninfo,version,1\ntrackable,b,1,0\n";
-  const MocapTake take = read(head +
-                              "frame,0,10.0,1,1,1,2,3,0,0,0,1,0,0,0,0,\n"
-                              "frame,0,10.1,1,1,1,2,4,0,0,0,1,0,0,0,0\n"
-                              "frame,1,10.1,1,1,1,2,5,0,0,0,1,0,0,0,0\n");
-  ASSERT_EQ(take.frames.size(), 2u);
-  EXPECT_EQ(take.frames[1].time.ns, 100'000'000);
-  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 1);
-  EXPECT_EQ(take.anomalies.repeated_frames, 1);
-}
-
-TEST(MocapReader, RefusesBadOldRowsWithTheirLine) {
-  const std::string head = "comment,x\nrighthanded\ntrackable,b,1,0\n";
-  const Refusal unknown = csv_refusal(head + "frame,0,0,0,0\nfrobnicate,1\n");
-  EXPECT_EQ(unknown.place, "F:5");
-  EXPECT_THAT(unknown.problem, AllOf(HasSubstr("frobnicate"), HasSubstr("known are")));
-  const Refusal body = csv_refusal(head + "frame,0,0,1,9,1,2,3,0,0,0,1,0,0,0,0\n");
-  EXPECT_EQ(body.place, "F:4");
-  EXPECT_THAT(body.problem, HasSubstr("body ID 9"));
-  EXPECT_THAT(csv_refusal(head + "frame,0,0,1,1,1,2\n").problem, HasSubstr("too early"));
-  EXPECT_THAT(csv_refusal(head + "frame,0,0,1,1,x,2,3,0,0,0,1,0,0,0,0\n").problem,
-              HasSubstr("column 6: \"x\""));
-  EXPECT_EQ(csv_refusal(head + "trackable,c,1,0\n").place, "F:4");
-  EXPECT_EQ(read(head + "frame,0,0,1,1,1,2").frames.size(), 0u);
-}
-
 TEST(MocapReader, ReadsTheSameInBlocksOfAnySize) {
-  for (const std::string& text : {keys("1.23") + "\n" + kHeadings + kRows, kRowFormat10, kRowFormat11}) {
+  for (const std::string& text : {keys("1.23") + "\n" + kHeadings + kRows}) {
     const MocapTake whole = read(text);
     for (const std::size_t block_bytes : {1u, 2u, 3u, 7u, 64u, 1000u})
       expect_same(read_in_blocks(text, block_bytes), whole);

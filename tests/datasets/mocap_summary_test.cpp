@@ -20,19 +20,14 @@ constexpr double kRate_hz = 100.0;
 MocapHeader one_body() {
   MocapHeader header;
   header.export_rate_hz = kRate_hz;
-  header.assets.push_back({.type = AssetType::rigid_body,
-                           .name = "b",
-                           .id = "1",
-                           .parent = {},
-                           .has_rotation = true,
-                           .has_position = true});
+  header.assets.push_back(
+      {.type = AssetType::rigid_body, .name = "b", .id = "1", .parent = {}, .has_position = true});
   return header;
 }
 
-MocapPose pose_at(double x_m, double w = 0.8) {
+MocapPose pose_at(double x_m) {
   MocapPose pose;
   pose.position_m = {x_m, 1.0, 2.0};
-  pose.rotation = Eigen::Quaterniond(w, std::sqrt(1.0 - w * w), 0.0, 0.0);
   return pose;
 }
 
@@ -45,10 +40,10 @@ MocapFrame frame_of(std::int64_t index, const MocapPose& pose) {
   return frame;
 }
 
-AssetSummary asset_summary(const std::vector<MocapPose>& poses, MocapSummaryOptions options = {}) {
-  MocapSummarizer summarizer(one_body(), options);
-  std::int64_t index = 0;
-  for (const MocapPose& pose : poses) summarizer.add(frame_of(index++, pose));
+AssetSummary asset_summary(const std::vector<MocapPose>& poses, std::int64_t step = 1) {
+  MocapSummarizer summarizer(one_body());
+  std::int64_t index = -step;
+  for (const MocapPose& pose : poses) summarizer.add(frame_of(index += step, pose));
   return summarizer.finish().assets.at(0);
 }
 
@@ -122,19 +117,17 @@ TEST(MocapSummary, FrozenIsAStretchOfATenthOfASecondToTheBit) {
 }
 
 TEST(MocapSummary, FrozenTakesFiveFramesAtALowRate) {
-  const MocapSummaryOptions slow{.frozen = {.min_s = 0.01, .min_frames = 5}};
+  constexpr std::int64_t kAtTwentyFiveHertz = 4;
   std::vector<MocapPose> poses = moving(2);
   append(poses, 4, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses, slow).frozen, 0);
+  EXPECT_EQ(asset_summary(poses, kAtTwentyFiveHertz).frozen, 0);
   append(poses, 1, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses, slow).frozen, 5);
+  EXPECT_EQ(asset_summary(poses, kAtTwentyFiveHertz).frozen, 5);
 }
 
 TEST(MocapSummary, AStillBodyWithNoiseInTheLastDigitIsNotFrozen) {
   std::vector<MocapPose> poses;
   for (int i = 0; i < 100; ++i) poses.push_back(pose_at(0.5 + (i % 2) * 1e-6));
-  EXPECT_EQ(asset_summary(poses).frozen, 0);
-  for (int i = 0; i < 100; ++i) poses[static_cast<std::size_t>(i)] = pose_at(0.5, 0.8 + (i % 2) * 1e-6);
   EXPECT_EQ(asset_summary(poses).frozen, 0);
 }
 
@@ -156,18 +149,6 @@ TEST(MocapSummary, JumpsAreStepsFasterThanTheLimit) {
   // 0.19 m and 0.21 m in 10 ms are 19 and 21 m/s.
   EXPECT_EQ(asset_summary({pose_at(0), pose_at(0.19), pose_at(0.40), pose_at(0.40)}).jumps, 1);
   EXPECT_EQ(asset_summary({pose_at(0), MocapPose(), pose_at(0.39)}).jumps, 0);
-  EXPECT_EQ(asset_summary({pose_at(0), pose_at(0.19)}, {.frozen = {}, .jump_speed_m_s = 10.0}).jumps, 1);
-}
-
-TEST(MocapSummary, SentinelsAreTheRotationOfNothingAtZeroOrUnmoving) {
-  MocapPose at_zero;
-  at_zero.position_m.setZero();
-  at_zero.rotation = Eigen::Quaterniond(-1, 0, 0, 0);
-  EXPECT_EQ(asset_summary({pose_at(0.1), at_zero, pose_at(0.1)}).sentinels, 1);
-  const MocapPose parked = pose_at(0.3, 1.0);
-  EXPECT_EQ(asset_summary({parked, parked, parked}).sentinels, 3);
-  EXPECT_EQ(asset_summary({pose_at(0.30, 1.0), pose_at(0.31, 1.0), pose_at(0.32, 1.0)}).sentinels, 0);
-  EXPECT_EQ(asset_summary({pose_at(0.3), pose_at(0.3), pose_at(0.3)}).sentinels, 0);
 }
 
 // An asset "a" of this type, and a marker "b" that moves by `step_mm` a frame.
@@ -182,14 +163,6 @@ std::string take_of(const std::vector<Number>& x_mm, const std::string& type = "
     text += fmt::format("{},{:.2f},{},5,0,{:.3f},5,0\n", i, 0.01 * static_cast<double>(i), x_mm[i],
                         step_mm * static_cast<double>(i));
   return text;
-}
-
-TEST(MocapSummary, AMarkerExactlyAtTheOriginIsASentinel) {
-  MocapPose marker;
-  marker.position_m = Eigen::Vector3d(0.1, 0.2, 0.3);
-  MocapPose lost;
-  lost.position_m.setZero();
-  EXPECT_EQ(asset_summary({marker, lost, lost, marker}).sentinels, 2);
 }
 
 std::vector<int> filtered(const std::vector<int>& x_mm) {

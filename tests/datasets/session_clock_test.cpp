@@ -79,18 +79,6 @@ TEST(SensorClock, ADriftThatWandersIsFollowed) {
   EXPECT_EQ(clock_errors({}).evidence.sensor_pieces, 1u);
 }
 
-TEST(SensorClock, ACounterOf32BitsMayWrap) {
-  const SimulatedClocks clocks{.tick_ns = 125'000, .first_tick = (std::int64_t{1} << 32) - 1'000'000};
-  auto frames = clocks.frames();
-  for (auto& frame : frames) frame.stamp.device_ticks %= kTicksOfWrap;
-  ASSERT_LT(frames.back().stamp.device_ticks, frames.front().stamp.device_ticks);
-  const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
-  EXPECT_EQ(map.epochs.size(), 1u);
-  EXPECT_EQ(map.epochs[0].wraps, 1);
-  for (const auto& frame : frames)
-    ASSERT_NEAR((map(frame.stamp) - frame.exposure).seconds(), 0.0, 1e-3) << frame.stamp.sequence;
-}
-
 TEST(SensorClock, UnlikeDelaysMoveTheClockByHalfTheirDifferenceAsTheBoundSays) {
   const ClockErrors errors = clock_errors({.asymmetry_ms = 2.0});
   EXPECT_NEAR(errors.quantile_ms(0.5), 1.0, 0.05);

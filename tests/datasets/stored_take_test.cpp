@@ -89,22 +89,12 @@ ErrorTable small_table() {
   return table;
 }
 
-Replay small_replay() {
-  Replay replay;
-  replay.sensors = {"k1", "k2"};
-  replay.world_from_sensor = {{}, {{std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0}, {1.0, 2.0, 3.0}}};
-  replay.reset(4, 2);
-  replay.joint_m[0] = 0.25f;
-  return replay;
-}
-
 void write_all(const std::filesystem::path& path, const std::vector<std::uint64_t>& order,
-               const ErrorTable& table = small_table(), const Replay& replay = small_replay()) {
+               const ErrorTable& table = small_table()) {
   StoredTake take = StoredTake::create(path, small_head());
   for (std::uint64_t first : order)
     for (std::size_t track = 0; track < 2; ++track) take.write(track, block_of(first, 2));
   take.write_errors(table);
-  take.write_replay(replay);
   take.finish();
 }
 
@@ -136,15 +126,6 @@ TEST(StoredTake, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(text_of(there.bodies), text_of(wanted.bodies));
   EXPECT_EQ(text_of(there.shapes), text_of(wanted.shapes));
   EXPECT_TRUE(there.truth.empty());
-  const std::optional<Replay> replay = take.read_replay();
-  ASSERT_TRUE(replay);
-  EXPECT_EQ(replay->sensors, small_replay().sensors);
-  EXPECT_EQ(replay->instants, 4u);
-  EXPECT_NEAR(
-      (replay->world_from_sensor[1] * Eigen::Vector3d::UnitX() - Eigen::Vector3d(1.0, 2.0, 2.0)).norm(), 0.0,
-      1e-12);
-  EXPECT_EQ(replay->joint_m[0], 0.25f);
-  EXPECT_TRUE(std::isnan(replay->joint_m[1]));
 }
 
 TEST(StoredTake, TimesAndStatusesThatNobodyWritesAreRefused) {
@@ -180,21 +161,6 @@ TEST(StoredTake, EqualTakesGiveEqualBytes) {
   EXPECT_TRUE(read_file(folder / "a.h5") == read_file(folder / "b.h5"));
 }
 
-TEST(StoredTake, WithoutAReplayThereIsNone) {
-  const ScratchFolder folder;
-  StoredTake::create(folder / "take.h5", small_head()).finish();
-  EXPECT_FALSE(StoredTake::open(folder / "take.h5").read_replay());
-}
-
-TEST(StoredTake, AMatrixThatIsNoPoseIsRefused) {
-  const ScratchFolder folder;
-  Replay replay = small_replay();
-  replay.world_from_sensor[0].rotation.coeffs().setZero();
-  write_all(folder / "take.h5", {0}, small_table(), replay);
-  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "take.h5").read_replay(); }),
-              HasSubstr("world_from_sensor is not a pose"));
-}
-
 TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {
   const ScratchFolder folder;
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "absent.h5"); }), HasSubstr("absent.h5"));
@@ -205,7 +171,7 @@ TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {
   file.set_integer("version", 99);
   file.close();
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "newer.h5"); }),
-              HasSubstr("newer.h5: is another version; this program reads version 1"));
+              HasSubstr("newer.h5: is another version; this program reads version 2"));
   write_all(folder / "whole.h5", {0, 2, 4, 6, 8});
   const std::string bytes = read_file(folder / "whole.h5");
   for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 23) {

@@ -44,7 +44,7 @@ std::vector<Setting> settings() {
           {"newton", with(corrected, Damping::lm, StopRule::step, newton)}};
 }
 
-// Three to eight sensors, level, nearly level or not, every third problem with weights, errors up to 30 cm,
+// Three to eight sensors, level, nearly level or not, errors up to 30 cm,
 // and some that are refused.
 RangeProblem mixed_problem(std::uint32_t item) {
   const RandomStream random{11, Purpose::test, item};
@@ -58,7 +58,6 @@ RangeProblem mixed_problem(std::uint32_t item) {
   RangeProblem problem = problem_of(sensors_m, random_joint_m(random, 0));
   for (int i = 0; i < count; ++i) {
     problem.range_m[i] = std::abs(problem.range_m[i] + random.uniform(30 + i, -0.3, 0.3));
-    if (item % 3 == 0) problem.weight[i] = random.uniform(40 + i, 0.2, 5.0);
   }
   if (item % 97 == 0) problem.range_m[1] = std::numeric_limits<double>::quiet_NaN();
   if (item % 89 == 0) problem.count = 2;

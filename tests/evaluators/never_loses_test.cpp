@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ceres, from our starts, never ends lower than we do. tests/benchmarks/never_loses runs ten times as many.
+// Ceres, from our starts, never ends lower than we do.
 #include <gmock/gmock.h>
 
 #include "tests/evaluators/duel.h"

@@ -36,7 +36,6 @@ RangeProblem noisy_problem(std::uint32_t item, double noise_m) {
 
 TEST(RangeEquations, GradientIsTheDifferenceQuotientOfTheCost) {
   RangeProblem problem = noisy_problem(0, 0.1);
-  problem.weight = {1.0, 2.5, 0.3, 4.0, 1, 1, 1, 1};
   for (const int count : {3, 4}) {
     problem.count = count;
     const PackedRanges ranges = packed(problem);
@@ -52,7 +51,6 @@ TEST(RangeEquations, GradientIsTheDifferenceQuotientOfTheCost) {
 
 TEST(RangeEquations, NormalMatrixIsJtWJOfTheDifferenceQuotients) {
   RangeProblem problem = noisy_problem(1, 0.1);
-  problem.weight = {1.0, 2.5, 0.3, 4.0, 1, 1, 1, 1};
   const Vector3d x(0.3, 1.1, -0.4);
   Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
   for (int i = 0; i < problem.count; ++i) {
@@ -61,7 +59,7 @@ TEST(RangeEquations, NormalMatrixIsJtWJOfTheDifferenceQuotients) {
       const Vector3d h = 1e-5 * Vector3d::Unit(axis);
       row[axis] = ((x + h - problem.sensor_m[i]).norm() - (x - h - problem.sensor_m[i]).norm()) / 2e-5;
     }
-    expected += problem.weight[i] * row * row.transpose();
+    expected += row * row.transpose();
   }
   EXPECT_LT((linearise(packed(problem), x).normal.matrix() - expected).norm(), 1e-8);
 }
@@ -90,11 +88,10 @@ TEST(Gdop, MatchesClosedForms) {
   EXPECT_NEAR(axes.gdop, std::sqrt(3.0), 1e-14);
   EXPECT_LT((axes.covariance - Eigen::Matrix3d::Identity()).norm(), 1e-14);
   // Corners of a tetrahedron: U^T U = 4/3 I.
-  RangeProblem tetrahedron = problem_of({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {0, 0, 0});
-  tetrahedron.weight = {4, 4, 4, 4, 1, 1, 1, 1};
+  const RangeProblem tetrahedron = problem_of({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {0, 0, 0});
   const PointEstimate four = estimate_at(tetrahedron, {0, 0, 0}, SolveStatus::converged, 0);
   EXPECT_NEAR(four.gdop, 1.5, 1e-14);
-  EXPECT_LT((four.covariance - 3.0 / 16.0 * Eigen::Matrix3d::Identity()).norm(), 1e-14);
+  EXPECT_LT((four.covariance - 3.0 / 4.0 * Eigen::Matrix3d::Identity()).norm(), 1e-14);
   // In the sensors' plane nothing is known across it.
   const PointEstimate flat =
       estimate_at(problem_of(ring_m(0, 0, 0, 0), {0, 0, 0}), {0, 0, 0}, SolveStatus::converged, 0);
@@ -222,13 +219,6 @@ TEST(Nonlinear, ACoarseStopRuleDoesNotMakeAMinimumAmbiguous) {
       EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged)
           << i << " at " << threshold_m2;
     }
-}
-
-TEST(Nonlinear, WeightsMoveTheMinimumTowardsTheHeavierRange) {
-  RangeProblem problem = noisy_problem(0, 0.05);
-  problem.weight = {1e6, 1, 1, 1, 1, 1, 1, 1};
-  const PointEstimate estimate = solve_nonlinear(problem, {});
-  EXPECT_NEAR((estimate.position_m - problem.sensor_m[0]).norm(), problem.range_m[0], 1e-6);
 }
 
 TEST(Nonlinear, SaysWhenItRanOutOfIterations) {

@@ -55,13 +55,9 @@ TEST(RangeBearing, WithoutBearingsIsTrilateration) {
     NonlinearOptions exact;
     exact.step_tolerance_m = 1e-12;
     const PointEstimate ranges = solve_nonlinear(ranges_of(seen, rig), exact);
-    const PointEstimate none =
-        solve_range_bearing(seen, rig, {.sigma = {0.05, kInfinite}, .step_tolerance_m = 1e-12});
     const PointEstimate few =
         solve_range_bearing(seen, rig, {.sigma = {1e-6, 100.0}, .step_tolerance_m = 1e-12});
-    ASSERT_EQ(none.status, ranges.status);
     if (!is_usable(ranges.status)) continue;
-    EXPECT_LT((none.position_m - ranges.position_m).norm(), 1e-9) << k;
     // solve_nonlinear() goes on while its cost falls, which rounding hides from it at some nanometres
     EXPECT_LT((few.position_m - ranges.position_m).norm(), 5e-9) << k;
   }
@@ -81,9 +77,6 @@ TEST(RangeBearing, WithoutRangesIsTriangulation) {
       right.segment<3>(3 * i) = across * s;
     }
     const Eigen::Vector3d expected = rays.colPivHouseholderQr().solve(right);
-    const PointEstimate none = solve_range_bearing(seen, rig, {.sigma = {kInfinite, 0.05}});
-    EXPECT_EQ(none.status, SolveStatus::closed_form);
-    EXPECT_LT((none.position_m - expected).norm(), 1e-9) << k;
     const PointEstimate few = solve_range_bearing(seen, rig, {.sigma = {1e5, 0.01}});
     EXPECT_LT((few.position_m - expected).norm(), 1e-9) << k;
   }
@@ -171,13 +164,11 @@ TEST(RangeBearing, SaysWhyThereIsNoAnswer) {
   const PointEstimate alone = solve_range_bearing(seen, rig, {});
   EXPECT_EQ(alone.status, SolveStatus::converged);
   EXPECT_LT((alone.position_m - seen[0].point_in_world_m).norm(), 1e-9);
-  EXPECT_EQ(solve_range_bearing(seen, rig, {.sigma = {kInfinite, 1.0}}).status, SolveStatus::rank_deficient);
-  EXPECT_EQ(solve_range_bearing(seen, rig, {.sigma = {1.0, kInfinite}}).status, SolveStatus::too_few_ranges);
   seen[0].range_m = kNaN;
   EXPECT_EQ(solve_range_bearing(seen, rig, {}).status, SolveStatus::non_finite_input);
-  EXPECT_EQ(contradiction_in(RangeBearingOptions{.sigma = {0.0, 1.0}}), "both sigmas must be greater than 0");
-  EXPECT_EQ(contradiction_in(RangeBearingOptions{.sigma = {kInfinite, kInfinite}}),
-            "one sigma must be finite");
+  for (const RaySigma sigma : {RaySigma{0.0, 1.0}, RaySigma{1.0, kInfinite}})
+    EXPECT_EQ(contradiction_in(RangeBearingOptions{.sigma = sigma}),
+              "both sigmas must be greater than 0 and finite");
 }
 
 }  // namespace

@@ -7,23 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
-#include "datasets/markers/joint_files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
-#include "datasets/results/item_store.h"
 #include "datasets/session/session_writer.h"
-#include "pipeline/cli/embedded_campaigns.h"
-#include "pipeline/cli/embedded_studies.h"
 #include "recorders/network/link/tls_keys.h"
 #include "recorders/network/link/wire.h"
 #include "tests/fuzz/fuzz_folder.h"
-#include "tests/fuzz/sound_results.h"
-#include "tests/pipeline/campaigns.h"
-#include "tests/pipeline/sweeps.h"
 
 namespace trilat {
 namespace {
@@ -69,81 +58,22 @@ void write_motive(const fs::path& path) {
   MocapHeader header;
   header.take_name = "walk";
   header.capture_rate_hz = header.export_rate_hz = 100.0;
-  header.assets = {{AssetType::rigid_body, "Wand", "1F", "", true, true},
-                   {AssetType::marker, "a", "2A", "", false, true}};
+  header.assets = {{AssetType::rigid_body, "Wand", "1F", "", true}, {AssetType::marker, "a", "2A", "", true}};
   OptitrackCsvWriter writer(path, header);
   for (std::int64_t i = 0; i < 3; ++i) {
     MocapFrame frame{i, {10'000'000 * i}, kMissing, std::vector<MocapPose>(2)};
-    frame.poses[0] = {{1.0, 2.0, 3.0}, Eigen::Quaterniond::Identity()};
+    frame.poses[0].position_m = {1.0, 2.0, 3.0};
     if (i != 1) frame.poses[1].position_m = {0.5, 0.25, 0.125};
     writer.write(frame);
   }
   writer.finish();
 }
 
-// Rows of the older formats, whose lines say what they are.
-constexpr const char* kRowFormat =
-    "comment,\"own\"\ninfo,version,1.1\ninfo,framecount,2\ninfo,rigidbodycount,1\n"
-    "rigidbody,\"Body 1\",1,1,0,0,0\n"
-    "frame,0,0.00000000,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n"
-    "rigidbody,0,0.00000000,\"Body 1\",1,0,1,1,2,3,6,1,2,3.5,1,0.5,0.001\n"
-    "frame,1,0.00833333,1,1,1,2,3,0.6,0,0,0.8,0,0,0,1,1,2,3,6,Body 1-Marker 1\n";
-
 constexpr const char* kTrc =
     "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
     "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n"
     "100\t100\t2\t2\tmm\t100\t1\t2\nFrame#\tTime\ta\t\t\tb\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"
     "1\t0.00\t1500\t250.5\t-1e2\t\t\t\n2\t0.01\tnan\tnan\tnan\t4\t5\t6\n";
-
-constexpr const char* kIntrinsics =
-    "%YAML:1.0\n---\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
-    "   data: [ 365.4, 0., 254.8, 0., 365.4, 205.3, 0., 0., 1. ]\n"
-    "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
-    "   data: [ 0.09, -0.26, 0., 0., 0.09 ]\n";
-
-void write_campaign_seeds(const SeedPath& seed) {
-  const FuzzFolder scratch("seeds");
-  simulate_into(scratch.path(), walking_spec(2, 0.2));
-  for (const char* name : {"campaign", "mapping", "calibration"})
-    for (const auto& entry : fs::recursive_directory_iterator(scratch.path()))
-      if (entry.path().filename() == std::string(name) + ".json") {
-        write_file(seed(name, "simulated"), read_file(entry.path()));
-        break;
-      }
-}
-
-void write_settings_seeds(const SeedPath& seed) {
-  int number = 0;
-  for (const char* study :
-       {embedded::calibration_json, embedded::sensors_json, embedded::table1_json,
-        embedded::table1_search_json, embedded::table2_json, embedded::table3_json, embedded::table4_json})
-    write_file(seed("study", std::to_string(number++)), study);
-  const StudySpec study = study_of(R"("methods": [{"name": "nonlinear", "method": "nonlinear"},
-                                                  {"name": "window", "method": "window"}])");
-  write_file(seed("study", "every_accuracy_setting"), json_text(resolved_json(study), 1));
-  write_file(seed("study", "every_sweep_setting"), json_text(resolved_json(sweep_of(kOneRig)), 1));
-  write_file(seed("simulation", "paper"), embedded::paper_campaign_json);
-  write_file(seed("joint_csv", "two"),
-             "time_s,joint,x_m,y_m,z_m\n0,head,0.1,1.7,2\n0,knee_left,,,\n0.02,head,0.1,1.7,2.1\n");
-  write_file(
-      seed("campaign", "that_brings_joints"),
-      R"({"format": "trilat.campaign", "version": 1, "name": "c", "takes": [{"id": "a", "participant": "p",
-                 "mocap": "t.csv", "joints": [{"method": "m", "file": "m.trc", "mapping": {"head": ["H"]},
-                 "clock": "motion"}]}]})");
-  write_file(seed("simulation", "of_a_recorded_take"),
-             R"({"format": "trilat.simulation", "version": 1, "recorded": {"mocap": "walk.csv",
-                 "mapping": "mapping.json", "activity": "walking"}, "wand": {}, "depth": {}, "room": {}})");
-}
-
-void write_results_seeds(const SeedPath& seed, const fs::path& sound) {
-  write_sound_results(sound);
-  const std::vector<SoundFile> files = sound_files(sound);
-  for (std::size_t i = 0; i < files.size(); ++i)
-    write_file(seed("results", files[i].folder.filename().string() + "_" + files[i].name),
-               std::string(1, static_cast<char>(i)) + files[i].text);
-  const std::filesystem::path item = result_takes(sound / "accuracy").at(0).folder;
-  write_file(seed("take", "accuracy"), read_file(item / StoredTake::kName));
-}
 
 void write_network_seeds(const SeedPath& seed) {
   const FuzzFolder scratch("seeds");
@@ -162,13 +92,10 @@ void write_seeds(const fs::path& folder) {
   write_session(seed("session", "three_frames"));
   for (const char* reader : {"mocap", "mocap_summary"}) {
     write_motive(seed(reader, "motive"));
-    write_file(seed(reader, "rows"), kRowFormat);
     write_file(seed(reader, "trc"), kTrc);
   }
-  write_file(seed("intrinsics", "kinect"), kIntrinsics);
-  write_settings_seeds(seed);
-  write_campaign_seeds(seed);
-  write_results_seeds(seed, folder / "sound_results");
+  write_file(seed("joint_csv", "two"),
+             "time_s,joint,x_m,y_m,z_m\n0,head,0.1,1.7,2\n0,knee_left,,,\n0.02,head,0.1,1.7,2.1\n");
   write_network_seeds(seed);
 }
 

@@ -102,24 +102,15 @@ TEST(CalibrateVerb, WritesACalibrationThatReadsBack) {
   const ScratchFolder folder;
   const auto rig = rig_of(2);
   record_wand(folder / "session.h5", rig);
-  std::filesystem::create_directories(folder / "serial1");
-  // The session's own intrinsics again, in the folder of the sensor's own serial.
-  write_file(folder / "serial1/calib_ir.yaml",
-             "%YAML:1.0\ncameraMatrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ "
-             "365.456, 0., 254.878, 0., 365.456, 205.395, 0., 0., 1. ]\n"
-             "distortionCoefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ 0.0905, "
-             "-0.2682, 0., 0., 0.0951 ]\n");
   const std::string session = folder / "session.h5", output = folder / "calibration.json";
   const Ended text = run_trilat(folder, {"calibrate", session, "-o", output});
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, AllOf(HasSubstr("| k1 "), HasSubstr("| k2 "), HasSubstr("calibration: " + output)));
   const Calibration first = read_calibration(output);
   const Ended json =
-      run_trilat(folder, {"calibrate", session, "-o", output, "--json", "--threads", "1", "--intrinsics",
-                          "k1=" + (folder / "serial1/calib_ir.yaml").string()});
+      run_trilat(folder, {"calibrate", session, "-o", output, "--force", "--json", "--threads", "1"});
   EXPECT_EQ(json.code, 0) << json.err;
   const Calibration again = read_calibration(output);
-  EXPECT_EQ(again.sources.size(), 2u);
   EXPECT_EQ(only_json(json)["sensors"].size(), 2u);
   EXPECT_EQ(only_json(json)["calibration"], output);
   EXPECT_FALSE(only_json(json)["look_at"].empty());  // eight positions are few
@@ -188,22 +179,6 @@ TEST(CalibrateWand, TwoRecordingsMustBeOfOneRig) {
                   calibrate_wand({folder / "a.h5", folder / second}, {});
                 }),
                 AllOf(HasSubstr(second), HasSubstr("has other sensors than the first session")));
-}
-
-TEST(CalibrateWand, IntrinsicsOfAnotherSensorAreRefused) {
-  const ScratchFolder folder;
-  record(folder / "session.h5", rig_of(2), {ball_in_room(kPlaces[0])}, header_of(2), 2);
-  const auto complaint = [&](const std::string& sensor, const std::filesystem::path& file) {
-    CalibrateWandOptions options;
-    options.intrinsics = {{sensor, file}};
-    return message_of([&] { calibrate_wand({folder / "session.h5"}, options); });
-  };
-  EXPECT_THAT(
-      complaint("k1", folder / "serial2/calib_ir.yaml"),
-      HasSubstr(
-          "serial2/calib_ir.yaml: lies in the folder of serial serial2, which is sensor \"k2\", not \"k1\""));
-  EXPECT_THAT(complaint("k9", folder / "calib_ir.yaml"), HasSubstr("has no sensor \"k9\"; it has k1, k2"));
-  EXPECT_THAT(complaint("k1", folder / "absent.yaml"), HasSubstr("absent.yaml"));
 }
 
 TEST(CalibrateViews, ExactSightingsGiveExactPoses) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+
 #include "reports/claims/claims.h"
 
 #include <fmt/format.h>
@@ -180,16 +181,14 @@ TEST(Claims, TheBestOfAFamilyIsChosenOnOtherParticipants) {
   EXPECT_NEAR(numbers[1].value, 100.0 * ((8.0 + 8.0 + 8.0) / 12.0 - 1.0), 1.0);
 }
 
-// Errors of 4 cm in the half with the smaller acceleration and of 5 cm in the other.
 TEST(Claims, AbruptMovementsAreComparedWithTheRest) {
   MadeStudy study("table3", {"head", "shoulder_left", "elbow_left", "wrist_right"}, {"nonlinear"});
+  study.abrupt = 1.25;
   for (int p = 0; p < 8; ++p)
-    study.add("p" + std::to_string(p), "walking", [&](std::uint32_t, std::uint32_t, Subset subset) {
-      const double more_m = 0.0001 * (p - 3.5);
-      return subset == Subset::abrupt ? 0.05 + more_m : 0.045 + 0.5 * more_m;
-    });
+    study.add("p" + std::to_string(p), "walking",
+              [&](std::uint32_t, std::uint32_t, Subset) { return 0.04 + 0.0001 * (p - 3.5); });
   const ClaimNumber number = numbers_of("abrupt_joints_worse", study.claims()).at(0);
-  EXPECT_NEAR(number.value, 25.0, 1e-9);
+  EXPECT_NEAR(number.value, 25.0, 0.01);
   EXPECT_LT(number.p_holds, 0.01);
 }
 
@@ -208,19 +207,6 @@ TEST(Claims, AreHonestWithoutResults) {
     EXPECT_THAT(claim.verdict, testing::AnyOf(kCannotTest, kContradicts)) << claim.id;
     EXPECT_FALSE(claim.reason.empty()) << claim.id;
   }
-}
-
-TEST(Claims, WhatContradictsItselfIsARowOfTheAuditThatDiffers) {
-  const Table audit = audit_table();
-  int found = 0;
-  for (const PaperClaim& claim : paper_claims()) {
-    if (claim.kind != ClaimKind::contradicts) continue;
-    ++found;
-    EXPECT_TRUE(std::ranges::any_of(audit.rows, [&](const auto& r) {
-      return r[1].text == claim.study && r[5].text == "differs";
-    })) << claim.id;
-  }
-  EXPECT_EQ(found, 4);
 }
 
 TEST(Claims, TwoResultsOfOneStudyAreAnError) {

@@ -120,17 +120,5 @@ TEST(GateHistory, AFileOfAnotherVersionIsRefusedBeforeAnythingIsWritten) {
   EXPECT_EQ(read_file(history), line.dump() + "\n");
 }
 
-TEST(GateHistory, ALineIsAddedOnlyWhenAllElseIsWritten) {
-  ScratchFolder folder;
-  write_made_results(folder / "now");
-  write_made_results(folder / "before");
-  const std::string history = (folder / "history.jsonl").string();
-  expect_refused(
-      run_trilat(folder, {"gate", (folder / "now").string(), "--baseline", (folder / "before").string(),
-                          "--history", history, "--junit", (folder / "no/such/folder/gate.xml").string()}),
-      "gate.xml");
-  EXPECT_FALSE(std::filesystem::exists(history));
-}
-
 }  // namespace
 }  // namespace trilat

@@ -315,29 +315,5 @@ TEST(Gate, ATornLastLineOfTheHistoryIsToldAndReplaced) {
   expect_refused(nights.gate({"--history", history.string()}), "history.jsonl:1");
 }
 
-TEST(Gate, WritesJunitThatAnXmlReaderTakes) {
-  Nights nights;
-  nights.write(larger_errors(1.1));
-  const auto junit = nights.folder / "gate.xml";
-  EXPECT_EQ(nights.gate({"--junit", junit.string()}).code, 1);
-  const std::string xml = read_file(junit);
-  EXPECT_THAT(xml, AllOf(HasSubstr("tests=\"1\" failures=\"1\""), HasSubstr("<failure type=\"worse\"")));
-  GateReport odd;
-  GateFinding finding;
-  finding.alarm = true;
-  finding.study = "a<b>&\"c\"";
-  finding.what = std::string("bell \a, byte \xff");
-  odd.findings.push_back(finding);
-  odd.studies.push_back({finding.study, "", StudyState::compared, {}, "", 0});
-  for (int k = 0; k < 100; ++k) {
-    finding.study = "s" + std::to_string(k);
-    odd.findings.push_back(finding);
-    odd.studies.push_back({finding.study, "", StudyState::compared, {}, "", 0});
-  }
-  EXPECT_LE(std::ranges::count(gate_junit(odd), '\n'), 60);
-  EXPECT_THAT(gate_junit(odd),
-              AllOf(HasSubstr("a&lt;b&gt;&amp;&quot;c&quot;"), Not(HasSubstr("\a")), Not(HasSubstr("\xff"))));
-}
-
 }  // namespace
 }  // namespace trilat

@@ -20,7 +20,7 @@ using testing::Not;
 
 MocapHeader export_of(AssetType type, const std::vector<std::string>& names) {
   MocapHeader header;
-  for (const std::string& name : names) header.assets.push_back({type, name, name, "", false, true});
+  for (const std::string& name : names) header.assets.push_back({type, name, name, "", true});
   return header;
 }
 

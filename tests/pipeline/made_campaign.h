@@ -18,6 +18,7 @@ struct MadeStudy {
   ResultsSummary names;
   std::vector<std::string> joints;
   std::vector<TakeTable> takes;
+  double abrupt = 1.0;  // errors of the half with the larger acceleration, in those of the other
 
   MadeStudy(const std::string& study, std::vector<std::string> joints_, std::vector<std::string> methods)
       : joints(std::move(joints_)) {
@@ -40,13 +41,17 @@ struct MadeStudy {
     take.errors.alignments = names.alignments;
     for (std::uint32_t j = 0; j < joints.size(); ++j) {
       for (std::uint32_t m = 0; m < names.methods.size(); ++m)
-        for (const Subset subset : {Subset::all, Subset::occluded, Subset::abrupt})
+        for (const Subset subset : {Subset::all, Subset::occluded})
           add_errors(take.errors, j, m, subset, answers(m), error_m(j, m, subset));
       for (std::uint32_t b = 0; b < names.methods.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a)
           for (const Subset subset : {Subset::all, Subset::occluded})
             add_pair(take.errors, j, a, b, subset, std::min(answers(a), answers(b)), error_m);
-      take.errors.truth.push_back({j, kSamples, 0, 0.5 * kSamples, 0.0});
+      const double nonlinear_m = error_m(j, 0, Subset::all);  // the first method
+      constexpr std::uint32_t kHalf = kSamples / 2;
+      const double of_take = takes.size() % 2 == 0 ? 0.99 : 1.01;  // people differ
+      take.movement.push_back({j, 0, kSamples, kHalf, kHalf, 0.5 * kSamples,
+                               kHalf * nonlinear_m * abrupt * of_take, kHalf * nonlinear_m});
     }
     if (std::ranges::find(names.conditions, activity) == names.conditions.end())
       names.conditions.push_back(activity);
@@ -61,18 +66,17 @@ struct MadeStudy {
  private:
   static void add_errors(ErrorTable& table, std::uint32_t j, std::uint32_t m, Subset subset, std::uint32_t n,
                          double error_m) {
-    const std::uint32_t samples = subset == Subset::abrupt ? n / 2 : n;
-    ErrorRow row{0, j, m, 0, static_cast<std::uint32_t>(subset), samples};
-    row.statuses[0] = samples;
+    ErrorRow row{0, j, m, 0, static_cast<std::uint32_t>(subset), n};
+    row.statuses[0] = n;
     row.statuses[1] = kSamples - n;
-    row.length_m = samples * error_m;
+    row.length_m = n * error_m;
     row.largest_m = error_m;
-    row.absolute_m[1] = samples * 0.5 * error_m;
+    row.absolute_m[1] = n * 0.5 * error_m;
     row.largest_axis_m[1] = error_m;
     table.errors.push_back(row);
-    if (subset != Subset::all || samples == 0) return;
+    if (subset != Subset::all || n == 0) return;
     table.histograms.push_back({j, m, 0, 0, 1});
-    table.bins.push_back({static_cast<std::uint32_t>(error_m / kBin_m), samples});
+    table.bins.push_back({static_cast<std::uint32_t>(error_m / kBin_m), n});
   }
   static void add_pair(ErrorTable& table, std::uint32_t j, std::uint32_t a, std::uint32_t b, Subset subset,
                        std::uint32_t n, const ErrorOf& error_m) {

@@ -123,10 +123,10 @@ TEST(Nightly, TheGateGetsTheOptionsThatAreSetAndNoOthers) {
   const Checkout checkout;
   EXPECT_THAT(checkout.night().out, HasSubstr("history.jsonl --accept the first night\n"));
   checkout.age("2000-01-01T00-00-00Z");
-  EXPECT_THAT(checkout.night().out, HasSubstr("gate.xml\n"));
+  EXPECT_THAT(checkout.night().out, HasSubstr("history.jsonl\n"));
   checkout.age("2000-01-02T00-00-00Z");
   EXPECT_THAT(checkout.night("trilat", "14", {"TRILAT_NIGHTLY_GATE=--smallest-effect 2"}).out,
-              HasSubstr("gate.xml --smallest-effect 2\n"));
+              HasSubstr("history.jsonl --smallest-effect 2\n"));
 }
 
 TEST(Nightly, ARegressionEndsWithOne) {

@@ -64,46 +64,6 @@ TEST(PersonChoice, OfThreeTheOneWithTheMarkersIsTakenThoughAnotherIsNearerToTheM
   EXPECT_TRUE(walk.samples() == alone);
 }
 
-// At the stated start the other person stands nearer to the markers.
-TEST(PersonChoice, WithTheClockByMotionThePersonIsChosenAfterTheClockIsFound) {
-  Walk walk;
-  walk.campaign = simulate_into(walk.folder / "long", walking_spec(1, 20.0));
-  walk.take = walk.campaign.takes[0];
-  walk.poses = read_calibration(walk.take.calibration).sensors;
-  const StudySpec study = study_of(
-      R"("alignments": ["none"], "clock": "motion", "clock_search_s": 4, "methods": [{"method": "mean"}])");
-  const double alone_m = execute_study(study, walk.campaign, walk.folder / "alone", {}).cells.front().mae_m;
-  // A second body on the first one's path, 2.5 s behind: with a start that is stated 2.5 s off it is where
-  // the markers are.
-  const SessionReader session(walk.take.session);
-  constexpr std::size_t kBehind = 75;
-  std::vector<std::vector<BodyFrame>> frames;
-  for (std::size_t s = 0; s < 4; ++s)
-    frames.push_back(session.body_frames(s, 0, session.counts(s).body_frames));
-  Take take = walk.take;
-  change_session(take, walk.folder / "two.h5", {[&](std::size_t s, BodyFrame& frame) {
-                   const auto at = static_cast<std::size_t>(frame.stamp.sequence);
-                   if (at < kBehind) return true;
-                   const auto earlier =
-                       std::ranges::find(frames[s], static_cast<std::int64_t>(at - kBehind),
-                                         [](const BodyFrame& f) { return f.stamp.sequence; });
-                   if (earlier == frames[s].end() || earlier->bodies.empty()) return true;
-                   frame.bodies.push_back(earlier->bodies[0]);
-                   frame.bodies.back().tracking_id += kFirstOther;
-                   // another way to move: the arms hang
-                   for (const Joint joint :
-                        {Joint::wrist_left, Joint::wrist_right, Joint::elbow_left, Joint::elbow_right})
-                     frame.bodies.back().position_m[static_cast<std::size_t>(joint)] =
-                         frame.bodies.back().position_m[static_cast<std::size_t>(Joint::spine_mid)];
-                   return true;
-                 }});
-  take.mocap_start_host_ns += 2'500'000'000;
-  walk.campaign.takes[0] = take;
-  const ResultsSummary summary = execute_study(study, walk.campaign, walk.folder / "results", {});
-  EXPECT_EQ(summary.takes_failed, 0u);
-  EXPECT_NEAR(summary.cells.front().mae_m, alone_m, 0.01) << note_of(summary);
-}
-
 TEST(PersonChoice, ASensorThatOnlySeesTheOtherPersonSaysNothing) {
   Walk walk;
   const std::string alone = walk.alone([](std::size_t s, BodyFrame& frame) {

@@ -103,7 +103,7 @@ inline void write_wand_export(const std::filesystem::path& path, bool rests) {
   MocapHeader header;
   header.take_name = "wand";
   header.capture_rate_hz = header.export_rate_hz = 100.0;
-  header.assets = {{AssetType::rigid_body, "Wand", "1", "", true, true}};
+  header.assets = {{AssetType::rigid_body, "Wand", "1", "", true}};
   OptitrackCsvWriter writer(path, header);
   for (int f = 0; f < 960; ++f) {
     MocapFrame frame;
@@ -113,7 +113,6 @@ inline void write_wand_export(const std::filesystem::path& path, bool rests) {
         rests ? kPlaces[static_cast<std::size_t>(f / 120)] : Eigen::Vector3d(0.2 * time_s, 1.0, 0.0);
     MocapPose pose;
     pose.position_m = place + Eigen::Vector3d::Constant(f % 2 == 0 ? 2e-5 : -2e-5);
-    pose.rotation = Eigen::Quaterniond::Identity();
     frame.poses = {pose};
     writer.write(frame);
   }

@@ -80,7 +80,7 @@ def everything_in(folder):
 def settled(folder):
     """What equal inputs give equal bytes of."""
     found = everything_in(folder)
-    timed = {str(Path(name).parent / shown) for name in found if Path(name).name == "timings.json" for shown in ("tables.json", "figures.json")}
+    timed = {str(Path(name).parent / shown) for name in found if Path(name).name == "timings.json" for shown in ("tables.json", "figures.json", "item.json")}
     return {name: content for name, content in found.items() if Path(name).name not in UNSETTLED and name not in timed}
 
 

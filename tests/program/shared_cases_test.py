@@ -68,7 +68,8 @@ class SharedCases(unittest.TestCase):
         lines = said.splitlines()
         start = next(n for n, line in enumerate(lines) if line.startswith("method "))
         row = next(line for line in lines[start:] if line.split() and line.split()[0] == method)
-        return max(float(number) for number in re.findall(r"\d+\.\d+", re.sub(r"[\d.]+ %", "", row)))
+        cells = dict(zip(re.split(r"\s{2,}", lines[start]), re.split(r"\s{2,}", row), strict=True))
+        return max(float(cell.split()[0]) for head, cell in cells.items() if head.endswith("(cm)"))
 
     def check_poses(self, said, truth):
         found = poses_beside_first(json.loads(said[said.index("{\n"):said.rindex("}") + 1]))

@@ -248,6 +248,28 @@ class ConvertTest(unittest.TestCase):
         numbers = np.array([[float(cell or "nan") for cell in row[2:]] for row in rows[8:]])
         return said.getvalue(), rows[3][2::3], numbers.reshape(len(numbers), -1, 3)
 
+    def test_arena_gives_what_the_reader_of_its_rows_gave(self):
+        """arena_files.json: 30 files, and what the program's own reader of such rows (0.4.0) made of them, or said."""
+        files = json.loads((Path(__file__).parent / "arena_files.json").read_text())
+        self.assertEqual(len(files), 30)
+        for wanted in files:
+            with self.subTest(wanted["name"]):
+                source, output = self.file("arena.csv", wanted["text"]), self.folder / "motive.csv"
+                if "refused" in wanted:
+                    self.assertIn(wanted["refused"], self.refused("arena", source))
+                    continue
+                with contextlib.redirect_stdout(io.StringIO()):
+                    self.assertEqual(main(["arena", str(source), "-o", str(output), "--force"]), 0)
+                rows = list(csv.reader(output.read_text().splitlines()))
+                frames = [[float(cell) if cell else None for cell in row] for row in rows[8:]]
+                self.assertEqual([round(1e9 * (row[1] - frames[0][1])) for row in frames], [row[0] for row in wanted["frames"]])
+                for row, (_, *positions) in zip(frames, wanted["frames"], strict=True):
+                    read = [point if None not in point else None for point in (row[n:n + 3] for n in range(2, len(row), 3))]
+                    self.assertEqual(read, [list(position) if position else None for position in positions])
+                info = json.loads(subprocess.run([program_path(), "info", output, "--json"], capture_output=True, text=True, check=True).stdout)
+                self.assertEqual((len(info["assets"]), info["frames"]), (len(wanted["assets"]), len(wanted["frames"])))
+                self.assertEqual({asset["name"] for asset in info["assets"]}, {name.split(":", 1)[1].split("#")[0] for name in wanted["assets"]})
+
     def test_c3d_of_every_processor_as_real_and_as_integer(self):
         for processor in (84, 85, 86):
             for scale in (-1.0, 1.0):
@@ -388,7 +410,7 @@ class ConvertTest(unittest.TestCase):
 
     def test_help_lists_every_format(self):
         ended = subprocess.run([sys.executable, "-m", "trilat.convert", "--help"], capture_output=True, text=True)
-        for name in ("azure-kinect", "c3d", "kimore", "labanotation", "ntu"):
+        for name in ("arena", "azure-kinect", "c3d", "kimore", "labanotation", "ntu"):
             self.assertIn(f"\n    {name}", ended.stdout)
 
 

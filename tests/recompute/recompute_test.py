@@ -224,14 +224,6 @@ def compare_row(where, row, asked, length_m):
     compare_numbers(where, {"asked": int(asked.sum()), "answered": len(length_m), "mae_m": tables.mean_of(length_m)}, row)
 
 
-def compare_replay(take, replay):
-    """What each sensor gives at the instants, in the world (single precision)."""
-    def place(i=0, s=0, j=0, axis=0):
-        return f"take {take.id}, instant {i}, sensor {take.sensors[s]}, joint {read_take.JOINTS[j]}"
-
-    require_same(lambda *at: f"joint_m of {place(*at)}", take.all_world_m, replay, SAME_M)
-
-
 class Results:
     """A campaign, simulated and evaluated by the program, and its takes as the raw files have them."""
 
@@ -257,11 +249,8 @@ class Results:
         self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS) for e in entries]
         columns = trilat.results(results).columns()
         self.error_m = np.stack([columns[f"error_{axis}_m"] for axis in "xyz"], axis=1)
-        with h5py.File(items[0] / "take.h5") as file:
-            self.replay = file["replay"]["joint_m"][:]
 
     def compare(self):
-        compare_replay(self.takes[0], self.replay)
         for take, samples in zip(self.takes, self.samples):
             compare_take(take, samples)
         compare_rows_of_takes(self.samples, [take.id for take in self.takes], self.summary, self.error_m)

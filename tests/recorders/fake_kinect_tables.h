@@ -15,12 +15,7 @@ template <class Interface>
 struct Object : Interface {
   Object() { ++live_objects; }
   virtual ~Object() { --live_objects; }
-  HResult QueryInterface(const Guid& id, void** out) override {
-    *out = id == Interface::kId ? this : nullptr;
-    if (!*out) return kNoInterface;
-    AddRef();
-    return kOk;
-  }
+  HResult QueryInterface() override { return kFailed; }
   std::uint32_t AddRef() override { return ++references_; }
   std::uint32_t Release() override {
     const std::uint32_t left = --references_;

@@ -78,15 +78,6 @@ TEST(KinectSdk, FunctionsStandWhereTheSdkHasThem) {
   EXPECT_EQ(slot_of(&ICoordinateMapper::GetDepthCameraIntrinsics), 19u);
 }
 
-TEST(KinectSdk, AFakeObjectAnswersToItsIdOnly) {
-  auto* sensor = new kinect::fake::IKinectSensorTable;
-  void* out = nullptr;
-  EXPECT_EQ(sensor->QueryInterface(kinect::IBody::kId, &out), kinect::kNoInterface);
-  EXPECT_EQ(sensor->QueryInterface(kinect::IKinectSensor::kId, &out), kinect::kOk);
-  EXPECT_EQ(sensor->Release(), 1u);
-  EXPECT_EQ(sensor->Release(), 0u);
-}
-
 TEST(KinectSource, DescribesTheSensorAfterItsFirstFrame) {
   Desk desk = desk_with({});
   const KinectSource source(kinect::fake::runtime_of(desk), kQuick);

@@ -2,10 +2,17 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "datasets/mocap/mocap_reader.h"
 
 namespace trilat {
+
+struct MocapTake {
+  MocapHeader header;
+  std::vector<MocapFrame> frames;
+  MocapAnomalies anomalies;
+};
 
 inline MocapTake read_mocap(const std::filesystem::path& path) {
   MocapReader reader(path);

@@ -50,7 +50,7 @@ const ClockMap<HostClock, SensorClock>& checked(const ClockMap<HostClock, Sensor
 }
 
 SensorEpoch fit_epoch(const TickEpoch& ticks, const ClockMap<HostClock, SensorClock>& line) {
-  return {ticks.first, ticks.last, ticks.wraps, ticks.frames, line.drift, envelope_pieces(ticks, line)};
+  return {ticks.first, ticks.last, ticks.frames, line.drift, envelope_pieces(ticks, line)};
 }
 
 const TickEpoch& longest_of(const std::vector<TickEpoch>& ticks) {
@@ -115,19 +115,17 @@ SensorTime device_time(const SensorDescription& sensor, const FrameStamp& stamp)
 
 HostTime SensorClockMap::operator()(const FrameStamp& stamp) const {
   const SensorTime device{stamp.device_ticks * tick_ns};
-  if (epochs.size() == 1 && epochs.front().wraps == 0) return (*this)(device);
+  if (epochs.size() == 1) return (*this)(device);
   HostTime best;
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
-  for (const SensorEpoch& epoch : epochs)
-    for (int wraps = 0; wraps <= epoch.wraps; ++wraps) {
-      const SensorTime t = device + Duration{wraps * kTicksOfWrap * tick_ns};
-      const HostTime host = epoch.host_from_sensor(t);
-      const std::int64_t distance_ns =
-          outside_ns(epoch, t) + arrival_distance_ns(agent, {stamp.arrival_ns}, host);
-      if (distance_ns >= least_ns) continue;
-      least_ns = distance_ns;
-      best = host - latency;
-    }
+  for (const SensorEpoch& epoch : epochs) {
+    const HostTime host = epoch.host_from_sensor(device);
+    const std::int64_t distance_ns =
+        outside_ns(epoch, device) + arrival_distance_ns(agent, {stamp.arrival_ns}, host);
+    if (distance_ns >= least_ns) continue;
+    least_ns = distance_ns;
+    best = host - latency;
+  }
   return best;
 }
 

@@ -16,8 +16,7 @@ SensorTime device_time(const SensorDescription& sensor, const FrameStamp& stamp)
 
 // One unbroken count of a sensor's ticks, and where it stands on the host clock.
 struct SensorEpoch {
-  SensorTime first, last;  // wraps of a 32-bit counter undone
-  int wraps = 0;
+  SensorTime first, last;
   std::uint64_t frames = 0;
   double drift = 0.0;
   PiecewiseClock<HostClock, SensorClock> host_from_sensor;

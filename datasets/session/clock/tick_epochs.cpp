@@ -84,7 +84,6 @@ constexpr Duration kWindow{10'000'000'000};
 constexpr Duration kStep{100'000'000};
 constexpr std::int64_t kDriftDivisor = 1000;  // 1000 ppm, of the time between two frames
 constexpr Duration kShortest{2'000'000'000};
-constexpr std::int64_t kLongestTick_ns = 1'000'000;  // of counters that are known to wrap
 
 // Whether ticks and arrivals go on from `a` to `b` as one clock.
 bool goes_on(const ArrivalStamp& a, const ArrivalStamp& b) {
@@ -121,7 +120,6 @@ bool is_late_patch(const TickEpoch& patch, const TickEpoch* before, const TickEp
 
 void join(TickEpoch& epoch, const TickEpoch& more) {
   epoch.last = std::max(epoch.last, more.last);
-  epoch.wraps = std::max(epoch.wraps, more.wraps);
   epoch.frames += more.frames;
   epoch.windows.insert(epoch.windows.end(), more.windows.begin(), more.windows.end());
   for (const ArrivalStamp& stamp : more.doubtful.hull()) epoch.doubtful.add(stamp);
@@ -184,26 +182,12 @@ bool is_straight(const std::vector<LeastLate>& windows) {
 }  // namespace
 
 void TickEpochs::add(std::int64_t device_ticks, HostTime arrival, bool certain) {
-  const std::int64_t wrap_ns = kTicksOfWrap * tick_ns_;
-  const auto with_wraps = [&](int wraps) {
-    return ArrivalStamp{{device_ticks * tick_ns_ + wraps * wrap_ns}, arrival};
-  };
-  ArrivalStamp stamp = with_wraps(runs_.empty() ? 0 : runs_.back().wraps);
-  if (runs_.empty() || !goes_on(before_, stamp)) {
-    const bool counts_32_bits = !runs_.empty() && tick_ns_ <= kLongestTick_ns &&
-                                ticks_before_ < kTicksOfWrap && device_ticks < ticks_before_;
-    if (counts_32_bits && goes_on(before_, with_wraps(runs_.back().wraps + 1))) {
-      stamp = with_wraps(++runs_.back().wraps);
-    } else {
-      stamp = with_wraps(0);
-      runs_.push_back({stamp.device, stamp.device, 0, 0, {}, {}});
-    }
-  }
+  const ArrivalStamp stamp{{device_ticks * tick_ns_}, arrival};
+  if (runs_.empty() || !goes_on(before_, stamp)) runs_.push_back({stamp.device, stamp.device, 0, {}, {}});
   TickEpoch& run = runs_.back();
   run.last = std::max(run.last, stamp.device);
   ++run.frames;
   before_ = stamp;
-  ticks_before_ = device_ticks;
   if (!certain) {
     run.doubtful.add(stamp);
     return;

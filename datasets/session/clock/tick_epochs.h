@@ -56,13 +56,9 @@ class HostArrivals {
   std::optional<ArrivalStamp> before_;
 };
 
-// After so many ticks a 32-bit counter starts again from nothing.
-inline constexpr std::int64_t kTicksOfWrap = std::int64_t{1} << 32;
-
 // Frames between two restarts of a sensor's count of ticks.
 struct TickEpoch {
-  SensorTime first, last;  // wraps of the counter undone
-  int wraps = 0;
+  SensorTime first, last;
   std::uint64_t frames = 0;
   std::vector<ArrivalEnvelope> windows;  // of 10 s each, by time
   ArrivalEnvelope doubtful;              // frames whose arrival is not known for certain
@@ -79,7 +75,6 @@ class TickEpochs {
  private:
   std::int64_t tick_ns_;
   std::vector<TickEpoch> runs_;
-  std::int64_t ticks_before_ = 0;
   ArrivalStamp before_;
 };
 

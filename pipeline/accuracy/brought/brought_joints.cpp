@@ -192,13 +192,9 @@ void look_into_brought(PlannedTake& planned, const StudySpec& study) {
   if (planned.instants > kMost)
     throw InputError(take.mocap.string(),
                      fmt::format("is longer than can be evaluated at {} Hz", study.rate_hz));
-  planned.level = take.up_axis != UpAxis::automatic;
   planned.truth_has_z_up = take.up_axis == UpAxis::z;
-  if (!planned.level)
-    if (const auto axis = standing_axis(positions, planned.points)) {
-      planned.level = true;
-      planned.truth_has_z_up = axis == UpAxis::z;
-    }
+  if (!take.up_axis && standing_axis(positions, planned.points) == UpAxis::z)
+    throw InputError(take.mocap.string(), kStandsAlongZ);
   planned.in_mocap_world = true;
   planned.ok = true;
 }

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "datasets/base/median.h"
 #include "datasets/base/units.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
@@ -59,80 +58,58 @@ std::vector<Table> apart_tables(const ResultsSummary& s) {
 
 namespace {
 
-// The method by which a condition's takes are called odd.
-std::string best_in(const ResultsSummary& s, const std::string& condition) {
-  const BestMethod* best = find_best(s, condition, average_group(s));
-  return best ? best->method : s.reference;
-}
-
 constexpr std::size_t kShownTakes = 10;
-constexpr double kOdd = 3.5;  // Iglewicz and Hoaglin (1993)
 
+// Errors of one take by method.
 struct TakeErrors {
-  const TakeJointRow* row = nullptr;  // its first
+  std::string take, participant;
   std::map<std::string, ErrorSum> methods;
-  // Distance of the best method's error from the median of the condition's takes, in deviations; NaN: no
-  // answer.
-  double odd = 0.0;
-  double far() const { return std::isnan(odd) ? std::numeric_limits<double>::infinity() : std::abs(odd); }
 };
 
 std::vector<TakeErrors> errors_by_take(const ResultsSummary& s, const std::string& condition) {
   std::vector<TakeErrors> takes;
   for (const TakeJointRow& row : s.by_take) {
     if (row.condition != condition) continue;
-    auto take = std::ranges::find_if(takes, [&](const TakeErrors& t) { return t.row->take == row.take; });
-    if (take == takes.end()) take = takes.insert(takes.end(), {&row, {}});
+    auto take = std::ranges::find(takes, row.take, &TakeErrors::take);
+    if (take == takes.end()) take = takes.insert(takes.end(), {row.take, row.participant, {}});
     take->methods[row.method].add(row);
   }
-  const std::string best = best_in(s, condition);
-  std::vector<double> errors_m, off_m;
-  for (TakeErrors& take : takes) {
-    const double m = take.methods[best].mean_m();
-    if (std::isfinite(m)) errors_m.push_back(m);
-    if (!std::isfinite(m)) take.odd = kNoNumber;
-  }
-  if (errors_m.size() >= 3) {
-    const double middle_m = median(errors_m);
-    for (const double m : errors_m) off_m.push_back(std::abs(m - middle_m));
-    const double deviation_m = 1.4826 * median(off_m);
-    for (TakeErrors& take : takes)
-      if (deviation_m > 0.0) take.odd = (take.methods[best].mean_m() - middle_m) / deviation_m;
-  }
-  std::ranges::stable_sort(takes, std::greater{}, &TakeErrors::far);
   return takes;
 }
 
 Table takes_table(const ResultsSummary& s, const std::string& condition) {
   std::vector<std::string> methods = leading_methods(s, condition);
   methods.resize(std::min<std::size_t>(methods.size(), 4));
+  const BestMethod* found = find_best(s, condition, average_group(s));
+  const std::string best = found ? found->method : s.reference;
   Table table;
   table.id = usable_id("takes-" + condition);
-  table.title = fmt::format("Which take is odd: mean error in cm of all joints ({})",
+  table.title = fmt::format("By take, the largest error first: mean error in cm of all joints ({})",
                             about(s, condition, s.alignments.front()));
   table.columns = {{"take", "take", true}, {"participant", "participant", true}};
   for (const std::string& method : methods) table.columns.push_back({method, method + "_mae_cm"});
-  table.columns.insert(
-      table.columns.end(),
-      {{"answered (%)", "answered_percent"}, {"deviations off", "deviations"}, {"odd", "odd", true}});
-  for (TakeErrors& take : errors_by_take(s, condition)) {
-    std::vector<TableValue> cells{TableValue::of(take.row->take), TableValue::of(take.row->participant)};
+  table.columns.push_back({"answered (%)", "answered_percent"});
+  std::vector<TakeErrors> takes = errors_by_take(s, condition);
+  const auto error_m = [&](const TakeErrors& take) {  // without an answer it comes first
+    const auto sum = take.methods.find(best);
+    return sum == take.methods.end() || sum->second.answered == 0 ? std::numeric_limits<double>::infinity()
+                                                                  : sum->second.mean_m();
+  };
+  std::ranges::stable_sort(takes, std::ranges::greater{}, error_m);
+  for (TakeErrors& take : takes) {
+    std::vector<TableValue> cells{TableValue::of(take.take), TableValue::of(take.participant)};
     for (const std::string& method : methods) cells.push_back(cm_cell(take.methods[method].mean_m()));
-    const ErrorSum& best = take.methods[best_in(s, condition)];
-    cells.insert(cells.end(), {percent_cell(share_of(best.answered, best.asked)), TableValue::of(take.odd, 1),
-                               TableValue::of(std::isnan(take.odd) ? "no answer"
-                                              : take.far() > kOdd  ? "odd"
-                                                                   : "")});
+    cells.push_back(percent_cell(share_of(take.methods[best].answered, take.methods[best].asked)));
     table.rows.push_back(std::move(cells));
   }
   table.first_rows = std::min(table.rows.size(), kShownTakes);
-  add_notes(table, "takes", {{"method", best_in(s, condition)}, {"odd", fmt::format("{:g}", kOdd)}});
+  add_notes(table, "takes", {{"method", best}});
   return table;
 }
 
 }  // namespace
 
-std::vector<Table> oddity_tables(const ResultsSummary& s) {
+std::vector<Table> takes_tables(const ResultsSummary& s) {
   std::vector<Table> tables;
   for (const std::string& condition : s.conditions)
     if (Table table = takes_table(s, condition); table.rows.size() > 1) tables.push_back(std::move(table));
@@ -156,6 +133,71 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
        {"differs", "differs", as_text([&](const R& r) { return verdict_of(s, r); })}},
       [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
   add_notes(table, "differences", {{"reference", s.reference}});
+  table.notes.push_back(interval_note(s));
+  return table;
+}
+
+namespace {
+
+// One method under one alignment, over the joints that it answers.
+struct FileRow {
+  std::string alignment, method;
+  std::uint64_t asked = 0, answered = 0;
+  std::size_t joints = 0;
+  double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;
+  std::array<double, 3> bias_m{};
+};
+
+FileRow file_row(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
+                 const std::string& method) {
+  FileRow row{.alignment = alignment, .method = method};
+  double sum_m = 0.0;
+  for (const SummaryCell& cell : s.cells) {
+    if (cell.method != method || cell.alignment != alignment || cell.condition != condition ||
+        cell.group == kAverageGroup)
+      continue;
+    row.asked += cell.asked;
+    row.answered += cell.answered;
+    if (cell.answered == 0) continue;
+    ++row.joints;
+    sum_m += cell.mae_m;
+    for (std::size_t axis = 0; axis < 3; ++axis) row.bias_m[axis] += cell.bias_m[axis];
+  }
+  for (double& bias_m : row.bias_m) bias_m /= static_cast<double>(row.joints);
+  if (row.joints > 0) row.mae_m = sum_m / static_cast<double>(row.joints);
+  if (const SummaryCell* all = find_cell(s, method, condition, average_group(s), alignment)) {
+    row.low_m = all->mae_low_m;
+    row.high_m = all->mae_high_m;
+  }
+  return row;
+}
+
+}  // namespace
+
+Table files_table(const ResultsSummary& s, const std::string& condition) {
+  using R = FileRow;
+  std::vector<FileRow> rows;
+  for (const std::string& alignment : s.alignments) {
+    const auto first = static_cast<std::ptrdiff_t>(rows.size());
+    for (const std::string& method : s.methods) rows.push_back(file_row(s, condition, alignment, method));
+    std::ranges::stable_sort(rows.begin() + first, rows.end(), {}, [](const FileRow& row) {
+      return row.joints == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
+    });
+  }
+  const auto bias = [](std::size_t axis) { return in_cm([=](const R& r) { return r.bias_m[axis]; }); };
+  Table table = table_of<R>(
+      usable_id("files-" + condition),
+      fmt::format("Mean error and bias over the joints that a method answers ({})", about(s, condition, "")),
+      rows,
+      {{"alignment", "alignment", as_text(&R::alignment)},
+       {"method", "method", as_text(&R::method)},
+       {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, &R::low_m, &R::high_m)},
+       {"answered (%)", "answered_percent",
+        in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
+       {"bias x (cm)", "bias_x_cm", bias(0)},
+       {"y (cm)", "bias_y_cm", bias(1)},
+       {"z (cm)", "bias_z_cm", bias(2)},
+       {fmt::format("joints of {}", s.groups.size()), "joints", as_count(&R::joints)}});
   table.notes.push_back(interval_note(s));
   return table;
 }

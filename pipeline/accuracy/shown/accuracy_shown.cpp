@@ -52,6 +52,20 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   return answers;
 }
 
+namespace {
+
+void add_cross_checks(const ResultsSummary& s, Table& table) {
+  for (const CrossCheck& check : s.cross_checks)
+    table.notes.push_back(
+        fmt::format("Cross-check of {} with Ceres, {}: {} problems, largest distance {:.3g} m (limit {:g} "
+                    "m), {} answered "
+                    "by one only, {} objectives lost.",
+                    check.method, check.passed() ? "agrees" : "DISAGREES", check.samples, check.worst_m,
+                    check.limit_m, check.disagreements, check.lost));
+}
+
+}  // namespace
+
 StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<TrackingSummary>& tracking) {
   const ResultsSummary s = without_sets(whole);
   StoredTables shown;
@@ -64,23 +78,23 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   shown.on_the_paper = answers_on_the_paper(s);
   shown.warnings = accuracy_warnings(s);
   if (s.left_out()) shown.sentences.push_back(truth_note(s));
-  for (const CrossCheck& check : s.cross_checks)
-    shown.sentences.push_back(fmt::format(
-        "Cross-check of `{}` with Ceres: {} samples, worst difference {:.3g} m (limit {:g} m): {}.",
-        check.method, check.samples, check.worst_m, check.limit_m,
-        check.passed() ? "agrees" : "**disagrees**"));
   const auto add = [&](std::vector<Table> tables, Table::Shown where) {
     for (Table& table : tables) {
       table.shown = where;
       shown.tables.push_back(std::move(table));
     }
   };
-  add(article_tables(s), Table::Shown::first);
-  add(oddity_tables(s), Table::Shown::first);
+  std::vector<Table> articles = article_tables(s);
+  for (Table& table : articles) add_cross_checks(s, table);
+  add(std::move(articles), Table::Shown::first);
+  add(takes_tables(s), Table::Shown::first);
   add(table2(s), Table::Shown::detail);
   add(accuracy_tables(s), Table::Shown::detail);
   add(apart_tables(s), Table::Shown::file);
-  if (tracking) add(tracking_tables(*tracking), Table::Shown::detail);
+  if (tracking) {
+    add(prediction_tables(*tracking), s.left_out() ? Table::Shown::first : Table::Shown::detail);
+    add(tracking_tables(*tracking), Table::Shown::detail);
+  }
   if (tracking && !tracking->checks.empty()) add({checks_table(*tracking)}, Table::Shown::file);
   return shown;
 }

@@ -14,7 +14,7 @@
 
 namespace trilat {
 
-// The tables of an accuracy study. First the methods by joint and the takes with odd errors; then all
+// The tables of an accuracy study. First the methods by joint and the errors by take; then all
 // statistics, the paper's Table II when its activities were recorded, and the tracking of the sensors.
 StoredTables accuracy_shown(const ResultsSummary& summary, const std::optional<TrackingSummary>& tracking);
 // Methods by joint in each condition, and error against the number of sensors.
@@ -30,9 +30,9 @@ std::vector<Table> article_tables(const ResultsSummary& summary);
 // Whether the paper's Table III may stand beside: walking, relative to the mean, against motion capture.
 bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);
 
-// Which take or participant is odd: the leading methods' errors by take, the oddest first. Empty without more
-// than one take.
-std::vector<Table> oddity_tables(const ResultsSummary& summary);
+// Errors of the leading methods by take, a table a condition, the largest error of the best method first.
+// Empty without more than one take.
+std::vector<Table> takes_tables(const ResultsSummary& summary);
 
 // The paper's Table II beside ours: arms and legs, occluded samples and all. Empty for a study without them.
 std::vector<Table> table2(const ResultsSummary& summary);
@@ -40,6 +40,9 @@ std::vector<Table> table2(const ResultsSummary& summary);
 // Every method against the study's reference, by joint group. Without rows when there is nothing to compare.
 Table differences_table(const ResultsSummary& summary, const std::string& condition,
                         const std::string& alignment);
+
+// Methods of brought files by alignment: error, bias and answers over all joints.
+Table files_table(const ResultsSummary& summary, const std::string& condition);
 
 // Whole bodies by method. Without rows when no method has any.
 Table bodies_table(const ResultsSummary& summary, const std::string& condition);

@@ -90,7 +90,6 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
   std::vector<Table> tables;
   if (!s.clocks.empty()) tables.push_back(clocks_table(s));
   if (!s.rays.empty()) tables.push_back(rays_table(s));
-  for (Table& table : prediction_tables(s)) tables.push_back(std::move(table));
   return tables;
 }
 

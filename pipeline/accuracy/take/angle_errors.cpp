@@ -52,10 +52,9 @@ AngleErrors::AngleErrors(const TakeHead& head, const std::string& participant, b
       if (auto places = places_of(
               head, {std::string(upper) + side, std::string(joint) + side, std::string(lower) + side}))
         angles_.push_back({name, std::move(*places)});
-  if (auto places = places_of(head, {"hip_left", "hip_right", "shoulder_left", "shoulder_right"})) {
-    lacks_up_ = !level;
-    if (level) angles_.push_back({"trunk inclination", std::move(*places)});
-  }
+  if (auto places = places_of(head, {"hip_left", "hip_right", "shoulder_left", "shoulder_right"});
+      places && level)
+    angles_.push_back({"trunk inclination", std::move(*places)});
   for (const Angle& angle : angles_)
     if (names_.empty() || names_.back() != angle.name) names_.push_back(angle.name);
   for (const std::string& name : names_)

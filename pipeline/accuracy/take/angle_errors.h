@@ -34,7 +34,6 @@ class AngleErrors {
   void add(const SampleBlock& block);
   // Those with any instant.
   std::vector<AngleSums> sums() const;
-  bool lacks_up() const { return lacks_up_; }  // there would be a trunk inclination
 
  private:
   // An angle of one side, by the places of its points; the trunk's has the middles of two each.
@@ -47,7 +46,6 @@ class AngleErrors {
   std::size_t joints_, methods_;
   std::vector<bool> usable_;     // by status
   std::vector<AngleSums> sums_;  // by name and method
-  bool lacks_up_ = false;
 };
 
 }  // namespace trilat

@@ -28,13 +28,6 @@ struct Tracklets {
   std::vector<Tracklet> all;
   std::vector<std::uint64_t> identity;  // of each
   std::uint64_t frames_with_several = 0, jumps = 0;
-
-  std::size_t frames_of(const std::vector<std::size_t>& persons, std::size_t person) const {
-    std::size_t frames = 0;
-    for (std::size_t k = 0; k < all.size(); ++k)
-      if (persons[k] == person) frames += all[k].time_ns.size();
-    return frames;
-  }
 };
 
 std::optional<Eigen::Vector3d> centre_of(const ObservedBody& body) {
@@ -170,19 +163,6 @@ std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const P
 }
 
 }  // namespace
-
-std::vector<PersonChoice> candidates_of(const PlannedTake& planned, const RigBodies& seen) {
-  const Tracklets tracklets = tracklets_of(planned, seen);
-  const PersonMatch match = match_persons(tracklets.all, {});
-  std::vector<PersonChoice> candidates;
-  if (match.persons == 0) return candidates;
-  const std::size_t most = tracklets.frames_of(match.person_of_tracklet, 0);
-  for (std::size_t p = 0; p < match.persons; ++p)
-    if (10 * tracklets.frames_of(match.person_of_tracklet, p) >= most)
-      candidates.push_back(
-          bodies_of(tracklets, match, seen.size(), [&](std::size_t person) { return person == p; }));
-  return candidates;
-}
 
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
                                           const TakeData& data) {

@@ -28,8 +28,4 @@ struct PersonChoice {
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
                                           const TakeData& data);
 
-// The persons whom the bodies can be, those with the most frames first: each with a tenth of the frames of
-// the first at least.
-std::vector<PersonChoice> candidates_of(const PlannedTake& planned, const RigBodies& seen);
-
 }  // namespace trilat

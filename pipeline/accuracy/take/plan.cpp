@@ -23,8 +23,7 @@ namespace {
 
 // Instants of the truth that show which axis points up: so many with a joint, or more until one does, of at
 // most so many.
-constexpr double kProbe_s = 0.1, kFirst_s = 1.5, kMost_s = 30.0;
-constexpr std::size_t kProbes = 10, kMostBodies = 300;
+constexpr double kProbe_s = 0.1, kFirst_s = 1.5;
 constexpr double kShortSpan_s = 1.0;  // a sensor that misses more of a take is named
 
 struct HostSpan {
@@ -92,45 +91,19 @@ JointMapping every_joint() {
   return mapping;
 }
 
-// How the person stands in the mocap's first seconds.
-std::optional<UpAxis> axis_in_mocap(const PlannedTake& planned, const std::vector<Joint>& joints,
-                                    double until_s) {
+// Reads the truth's first seconds, in which its assets must exist. InputError where no axis is stated and the
+// person stands along z in them; a take that shows nothing is taken as y.
+void check_up_axis(const PlannedTake& planned, const std::vector<Joint>& joints) {
   const MarkerTrack truth =
-      truth_of(planned, joints, duration_from_s(kProbe_s), MocapTime{} + duration_from_s(until_s));
+      truth_of(planned, joints, duration_from_s(kProbe_s), MocapTime{} + duration_from_s(kFirst_s));
+  if (planned.take.up_axis || !planned.level) return;
   StandingAxis standing;
   std::vector<Eigen::Vector3d> points(joints.size());
-  std::size_t seen = 0;
-  for (double t_s = 0.0; t_s <= until_s && (seen < kProbes || !standing.axis()); t_s += kProbe_s) {
+  for (double t_s = 0.0; t_s <= kFirst_s; t_s += kProbe_s) {
     truth.at(MocapTime{} + duration_from_s(t_s), points);
     for (std::size_t j = 0; j < joints.size(); ++j) standing.add(joints[j], points[j]);
-    seen += std::ranges::any_of(points, [](const auto& point) { return point.allFinite(); }) ? 1 : 0;
   }
-  return seen < kProbes && until_s < kMost_s ? std::nullopt : standing.axis();
-}
-
-// Whether the truth's world has z up and the sensors' has not: by how the person stands at the start.
-bool stands_along_z(const PlannedTake& planned, const SessionReader& session,
-                    const std::vector<Joint>& joints) {
-  std::optional<UpAxis> of_truth_axis = axis_in_mocap(planned, joints, kFirst_s);  // its assets exist
-  if (planned.take.up_axis != UpAxis::automatic) return planned.take.up_axis == UpAxis::z;
-  if (!planned.level) return false;
-  if (!of_truth_axis) of_truth_axis = axis_in_mocap(planned, joints, kMost_s);
-  if (!of_truth_axis) throw InputError(planned.take.mocap.string(), kUnclearUp);
-  if (of_truth_axis != UpAxis::z) return false;
-  StandingAxis of_sensors;
-  for (std::size_t s = 0; s < planned.session_sensor.size(); ++s) {
-    const std::size_t sensor = planned.session_sensor[s];
-    const std::uint64_t frames = std::min<std::uint64_t>(session.counts(sensor).body_frames, kMostBodies);
-    for (const BodyFrame& frame : session.body_frames(sensor, 0, frames))
-      for (const Body& body : frame.bodies)
-        for (std::size_t j = 0; j < kJointCount; ++j)
-          if (reading_of(body, j) == JointReading::seen &&
-              static_cast<TrackingState>(body.tracking_state[j]) == TrackingState::tracked)
-            of_sensors.add(static_cast<Joint>(j),
-                           planned.world_from_sensor[s] *
-                               Eigen::Map<const Eigen::Vector3f>(body.position_m[j].data()).cast<double>());
-  }
-  return of_sensors.axis() != UpAxis::z;
+  if (standing.axis() == UpAxis::z) throw InputError(planned.take.mocap.string(), kStandsAlongZ);
 }
 
 // By name; InputError with what to do where the session lacks it.
@@ -168,7 +141,10 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
   plan_instants(planned, rig, spans, study.rate_hz);
   std::vector<Joint> mapped;
   for (const auto& entry : planned.mapping.joints) mapped.push_back(entry.joint);
-  if (has_truth) planned.truth_has_z_up = stands_along_z(planned, session, mapped);
+  if (has_truth) {
+    planned.truth_has_z_up = planned.take.up_axis == UpAxis::z;
+    check_up_axis(planned, mapped);
+  }
   planned.ok = true;
 }
 

@@ -104,6 +104,9 @@ void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData
   }
 }
 
+// Beyond this allowance for rounding a lower objective of Ceres counts as one that ours lost.
+constexpr double kSameCost = 1.0 + 1e-9, kSameCost_m2 = 1e-15;
+
 TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, const TakeData& data,
                               const Observations& seen, std::uint64_t i, const Method& method,
                               std::uint64_t number) {
@@ -122,6 +125,7 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
     if (is_usable(ours.status) && is_usable(theirs.status)) {
       one.samples = 1;
       one.worst_m = (ours.position_m - theirs.position_m).norm();
+      one.lost = ours.cost_m2 > theirs.cost_m2 * kSameCost + kSameCost_m2 ? 1 : 0;
     } else if (is_usable(ours.status) != is_usable(theirs.status)) {
       one.disagreements = 1;
       one.disagreed_at = one.worst_at;
@@ -214,30 +218,23 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
 }
 
 std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                  std::span<const MethodPaths> brought, bool cross_check, StageClocks& clocks,
-                                  const Watch& watch, const std::function<void(const SampleBlock&)>& each) {
+                                  std::span<const MethodPaths> brought, bool cross_check, const Watch& watch,
+                                  const std::function<void(const SampleBlock&)>& each) {
   const auto windowed = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, is_windowed));
   const std::uint64_t total = data.time.size() * (1 + kWindowedWork * windowed);
   std::atomic<std::uint64_t> done{0};
   const auto advance = [&](std::uint64_t work) {
     watch.tell(static_cast<double>(done += work) / static_cast<double>(total));
   };
-  std::vector<MethodPaths> paths;
-  {
-    const Stopwatch time(clocks.solve_ns);
-    paths = solve_over_time(
-        plan, planned, data,
-        {[&](std::size_t instants) { advance(kWindowedWork * instants); }, [&] { return watch.stopped(); }});
-  }
+  const std::vector<MethodPaths> paths = solve_over_time(
+      plan, planned, data,
+      {[&](std::size_t instants) { advance(kWindowedWork * instants); }, [&] { return watch.stopped(); }});
   std::vector<TakeCheck> checks(cross_check ? checked_methods(plan).size() : 0);
   SampleBlock block;
   for (std::uint64_t first = 0; first < data.time.size(); first += kBlock) {
     watch.check();
     begin_block(plan, data, first, block);
-    {
-      const Stopwatch time(clocks.solve_ns);
-      solve_block(plan, planned, data, cross_check, block, checks);
-    }
+    solve_block(plan, planned, data, cross_check, block, checks);
     for (const MethodPaths& path : paths) store_path(plan, path, block);
     for (const MethodPaths& path : brought) store_path(plan, path, block);
     each(block);

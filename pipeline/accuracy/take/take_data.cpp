@@ -34,10 +34,6 @@ std::vector<TakeNote> notes_on_truth(const PlannedTake& planned, const SampledTr
   const auto note = [&](std::string text) {
     notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
   };
-  if (planned.truth_has_z_up && planned.take.up_axis == UpAxis::automatic)
-    note(
-        "has its z axis up: the person stands along it. It was turned so that y is up, as everywhere here; "
-        "say \"up_axis\": \"y\" in the take if that is wrong");
   for (const std::string& text : truth.oddities) note(text);
   return notes;
 }
@@ -110,40 +106,16 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
   return result;
 }
 
-// With "clock": "motion" the stated start may be seconds off, and by it another person can be nearest to the
-// truth: puts the truth at the offset by which one of several persons moves as it does.
-void place_truth_by_motion(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                           const std::vector<PointPath>& truth, const std::function<bool()>& stop_requested,
-                           TakeData& data) {
-  const std::vector<PersonChoice> candidates = candidates_of(planned, seen);
-  if (candidates.size() < 2) return;
-  double best_peak = -1.0;
-  ClockRow best;
-  for (const PersonChoice& person : candidates) {
-    data.bodies = follow(plan, seen, &person, data.time);
-    const ClockRow row = clock_by_motion(plan, planned, data, truth).row;
-    if (!std::isfinite(row.offset_s) || !(row.peak > best_peak)) continue;
-    best_peak = row.peak;
-    best = row;
-  }
-  if (best_peak < 0.0) return;
-  data.clock = best;
-  apply_clock(plan, planned, stop_requested, data);
-}
-
 // Chooses the person and takes their bodies at the instants.
-void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                   const std::optional<SampledTruth>& truth, const std::function<bool()>& stop_requested,
+void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen, bool has_truth,
                    TakeData& data) {
   append({{}, notes_on_streams(plan, planned, seen)}, data);
-  if (truth && plan.study.clock == ClockSource::motion)
-    place_truth_by_motion(plan, planned, seen, truth->dense, stop_requested, data);
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
   std::optional<SensorChecks> checks;
   if (person && !person->sees_several) {
     checks = check_sensors(plan, planned, follow(plan, seen, nullptr, data.time));
-    if (checks->misplaced && !truth) person.reset();
+    if (checks->misplaced && !has_truth) person.reset();
   }
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, seen, person ? &*person : nullptr, data.time);
@@ -221,8 +193,6 @@ void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector
                  const std::function<bool()>& stop_requested, TakeData& data) {
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
-  if (data.clock.applied && !std::isfinite(clock.row.offset_s))
-    return;  // stays where the person was found by it
   data.clock = clock.row;
   if (!clock.warning.empty())
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
@@ -290,8 +260,7 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
   return recorded;
 }
 
-TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded,
-                       const std::function<bool()>& stop_requested) {
+TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded) {
   TakeData data;
   data.time.reserve(planned.instants);
   for (std::uint64_t i = 0; i < planned.instants; ++i) data.time.push_back(planned.start + plan.instant(i));
@@ -310,7 +279,7 @@ TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTak
     append({{}, notes_on_truth(planned, *recorded.truth)}, data);
   }
   const RigBodies bodies = std::exchange(recorded.bodies, {});
-  follow_bodies(plan, planned, bodies, recorded.truth, stop_requested, data);
+  follow_bodies(plan, planned, bodies, recorded.truth.has_value(), data);
   return data;
 }
 
@@ -339,7 +308,7 @@ TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data,
 TakeData load_take(const Plan& plan, const PlannedTake& planned,
                    const std::function<bool()>& stop_requested) {
   RecordedTake recorded = read_take(plan, planned, stop_requested);
-  TakeData followed = follow_person(plan, planned, recorded, stop_requested);
+  TakeData followed = follow_person(plan, planned, recorded);
   return see_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, stop_requested);
 }
 

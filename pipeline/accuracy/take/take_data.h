@@ -82,8 +82,7 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
 // start; notes say what is odd about the streams, the sensors and the mocap. Takes the bodies out of
 // `recorded`. InputError when the take cannot be evaluated at all: no ground truth for its time, no sensor
 // that ever sees a joint that is asked for. This and what follows throw Interrupted when asked to stop.
-TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded,
-                       const std::function<bool()>& stop_requested);
+TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded);
 
 // The take as methods see it: exchanges of left and right undone, the mocap's clock checked, occlusions
 // counted, and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked

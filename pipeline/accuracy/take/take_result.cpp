@@ -30,6 +30,7 @@ TrackingSummary sum_tracking(const Plan& plan, std::span<const TakeResult> takes
 void TakeCheck::merge(const TakeCheck& later) {
   samples += later.samples;
   disagreements += later.disagreements;
+  lost += later.lost;
   if (disagreed_at.empty()) disagreed_at = later.disagreed_at;
   if (later.worst_m > worst_m) {
     worst_m = later.worst_m;
@@ -50,8 +51,8 @@ RunOutcome outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool 
   outcome.tracking = sum_tracking(plan, takes);
   for (std::size_t m = 0; cross_check && m < checks.size(); ++m) {
     const TakeCheck& check = checks[m];
-    outcome.cross_checks.push_back({checked[m]->spec.name, check.samples, check.disagreements, check.worst_m,
-                                    plan.study.cross_check_limit_m,
+    outcome.cross_checks.push_back({checked[m]->spec.name, check.samples, check.disagreements, check.lost,
+                                    check.worst_m, plan.study.cross_check_limit_m,
                                     check.disagreements > 0 ? check.disagreed_at : check.worst_at});
   }
   return outcome;

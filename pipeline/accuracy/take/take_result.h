@@ -28,12 +28,12 @@ struct TakeInput {
 
 // How far one of the own solvers and Ceres were apart in one take.
 struct TakeCheck {
-  std::uint64_t samples = 0, disagreements = 0;
+  std::uint64_t samples = 0, disagreements = 0, lost = 0;  // lost: Ceres' objective is lower
   double worst_m = 0.0;
   std::string worst_at, disagreed_at;  // the first
   void merge(const TakeCheck& later);
 
-  TRILAT_FIELDS(samples, disagreements, worst_m, worst_at, disagreed_at)
+  TRILAT_FIELDS(samples, disagreements, lost, worst_m, worst_at, disagreed_at)
 };
 
 // Diagnostics of one take's sensors.

@@ -4,10 +4,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from trilat.convert import azure_kinect, c3d, keraal, kimore, kinectmultitrack, labanotation, ntu, ui_prmd
+from trilat.convert import arena, azure_kinect, c3d, keraal, kimore, kinectmultitrack, labanotation, ntu, ui_prmd
 from trilat.errors import InputError
 
-FORMATS = {"azure-kinect": azure_kinect, "c3d": c3d, "keraal": keraal, "kimore": kimore, "kinectmultitrack": kinectmultitrack,
+FORMATS = {"arena": arena, "azure-kinect": azure_kinect, "c3d": c3d, "keraal": keraal, "kimore": kimore, "kinectmultitrack": kinectmultitrack,
            "labanotation": labanotation, "ntu": ntu, "ui-prmd": ui_prmd}
 
 
@@ -21,7 +21,7 @@ def arguments_of(words: list[str]) -> argparse.Namespace:
         verb = formats.add_parser(name, help=module.HELP, description=module.HELP)
         verb.add_argument("files", nargs="+", type=Path, metavar="FILE", help="the recording")
         verb.add_argument("-o", "--output", type=Path, required=True,
-                          help="session.h5; of ui-prmd, keraal and kinectmultitrack a folder; of c3d a CSV")
+                          help="session.h5; of ui-prmd, keraal and kinectmultitrack a folder; of arena and c3d a CSV")
         verb.add_argument("--rate-hz", type=float, help="frames a second, where the files have no time stamps")
         verb.add_argument("--force", action="store_true", help="replace whatever has the output's name")
         verb.add_argument("--json", action="store_true", help="one JSON document on stdout, and nothing else there")

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: MIT
 """C3D (c3d.org, "The C3D file format user guide") to an OptiTrack CSV with y up: the markers, and nothing else."""
 import argparse
-import csv
-import io
 import json
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
-from trilat.convert.recording import need_one, refuse_rate
+from trilat.convert.motive import file_of, head_of
 from trilat.errors import InputError
 from trilat.outputs import written_aside
 
@@ -232,20 +230,13 @@ def up_axis_of(file: C3d, markers: dict[int, str], unit_m: float, stated: str | 
 
 def write_csv(path: Path, file: C3d, markers: dict[int, str], unit_m: float, up: str) -> None:
     """Motive's layout, version 1.25, in metres."""
-    def row(*cells):
-        line = io.StringIO()
-        csv.writer(line, lineterminator="\n").writerow(cells)
-        return line.getvalue()
-
     names, chosen = list(markers.values()), list(markers)
     with written_aside(path) as aside, open(aside, "w", encoding="utf-8", newline="") as text:
-        text.write(row("Format Version", "1.25", "Take Name", file.path.stem, "Take Notes", f"of {file.path.name}",
-                       "Capture Frame Rate", f"{file.rate_hz:.6f}", "Export Frame Rate", f"{file.rate_hz:.6f}", "Capture Start Time", "",
-                       "Capture Start Frame", file.first, "Total Frames in Take", file.frames, "Total Exported Frames", file.frames,
-                       "Rotation Type", "Quaternion", "Length Units", "Meters", "Coordinate Space", "Global") + "\n")
-        for head, cells in (("Type", ["Marker"] * len(names)), ("Name", names), ("ID", [str(i + 1) for i in chosen]), ("Parent", [""] * len(names))):
-            text.write(row("", head, *(cell for cell in cells for _ in range(3))))
-        text.write(row("", "", *["Position"] * (3 * len(names))) + row("Frame", "Time (Seconds)", *["X", "Y", "Z"] * len(names)))
+        rate_hz = f"{file.rate_hz:.6f}"
+        text.write(head_of(file.path.stem, f"of {file.path.name}",
+                           ["Capture Frame Rate", rate_hz, "Export Frame Rate", rate_hz, "Capture Start Time", "", "Capture Start Frame", file.first,
+                            "Total Frames in Take", file.frames, "Total Exported Frames", file.frames],
+                           [("Marker", name, i + 1) for name, i in zip(names, chosen)]))
         for begin in range(0, file.frames, 4096):
             position_m = unit_m * file.points_of(begin, min(begin + 4096, file.frames), chosen)
             if up == "z":
@@ -256,11 +247,7 @@ def write_csv(path: Path, file: C3d, markers: dict[int, str], unit_m: float, up:
 
 
 def convert(arguments: argparse.Namespace) -> int:
-    path = need_one(arguments.files, "is a second file; each becomes a CSV of its own")
-    refuse_rate(arguments)
-    if arguments.output.exists() and not arguments.force:
-        raise InputError(arguments.output, "is there already; take another name, or replace it with --force")
-    file = C3d(path)
+    file = C3d(file_of(arguments))
     markers = markers_of(file)
     unit = unit_of(file, arguments.unit)
     up = up_axis_of(file, markers, UNIT_M[unit], arguments.up_axis)
