@@ -83,15 +83,12 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
         "Is nonlinear trilateration with several Kinect v2 as accurate as the paper says, and better than "
         "simpler methods?";
     for (const Chapter& chapter : content.chapters)
-      if (chapter.provenance.study == kWalking || is_of(chapter, StudyKind::variations))
+      if (chapter.provenance.study == kWalking)
         headline.answers.insert(headline.answers.end(), chapter.on_the_paper.begin(),
                                 chapter.on_the_paper.end());
     if (simulated) headline.answers.push_back(recorded_sentence(recorded_table()));
     put_in_headline(content, [&](const Chapter& c, const Figure& f) {
       return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
-    });
-    put_in_headline(content, [](const Chapter& c, const Figure& f) {
-      return is_of(c, StudyKind::variations) && f.id.ends_with("comparisons");
     });
     return headline;
   }

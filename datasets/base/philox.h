@@ -45,7 +45,6 @@ enum class Purpose : std::uint32_t {
   calibration_error = 28,
   tracker_own_bias = 29,
   tracker_hidden_error = 30,
-  variation = 31,
 };
 
 // Random numbers as a pure function of (seed, purpose, item, index): no state, no order, no thread.

@@ -13,13 +13,11 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "recording",
-                                      "variations"};
+const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "recording"};
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 9;
-  if (kind == StudyKind::calibration) return 3;
-  return kind == StudyKind::recording ? 2 : 1;
+  return kind == StudyKind::calibration ? 3 : 2;
 }
 
 // Of a place where no results are.
@@ -35,11 +33,17 @@ std::string what_it_is_instead(const std::filesystem::path& folder) {
   return "holds no summary.json, so it is not a results folder, which `trilat run` makes";
 }
 
+void refuse_removed(JsonObject& object) {
+  if (object.value("kind") == "variations")
+    object.refuse("kind", "\"variations\" was removed; scripts/vary varies a simulation");
+}
+
 }  // namespace
 
 StudyKind study_kind(const Json& study, const std::string& place) {
   JsonObject object(study, place, "");
   if (object.has("format")) object.format("trilat.study");
+  refuse_removed(object);
   return static_cast<StudyKind>(object.choice("kind", kKinds));
 }
 
@@ -59,6 +63,7 @@ StudyKind results_kind(const std::filesystem::path& folder) {
 
 StudyKind results_kind(JsonObject& summary) {
   if (summary.text("format") != kFormat) summary.refuse("format", std::string("must be \"") + kFormat + '"');
+  if (summary.has("kind")) refuse_removed(summary);
   const auto kind = static_cast<StudyKind>(summary.choice("kind", kKinds, 0));
   if (summary.integer("version") != version_of(kind))
     summary.refuse("version",

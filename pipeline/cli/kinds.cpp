@@ -9,11 +9,8 @@
 #include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
-#include "pipeline/cli/built_in.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "pipeline/variations/variations_study.h"
-#include "pipeline/variations/variations_summary.h"
 #include "reports/render/render.h"
 
 namespace trilat {
@@ -53,21 +50,6 @@ OpenedStudy open_recording(const RunArguments& arguments, const Json& study) {
                   spec.frames));
 }
 
-OpenedStudy open_variations(const RunArguments& arguments, const Json& study) {
-  const VariationsSpec spec = parse_variations(study, arguments.study.string(), arguments.study.parent_path(),
-                                               built_in_campaign("paper_campaign"));
-  const std::size_t campaigns = spec.head.points.size();
-  OpenedStudy variations =
-      opened(variations_study(spec), {{"study", resolved_json(spec)}, {"campaigns", campaigns}},
-             fmt::format("study {} (simulated): {} campaigns of {} participants, {}", spec.head.study,
-                         campaigns, spec.head.participants,
-                         spec.patches.empty() ? fmt::format("at points of {} ranges", spec.head.ranges.size())
-                                              : std::string("one a patch")));
-  if (study.contains("simulation") && study["simulation"].is_string())
-    variations.inputs = {arguments.study.parent_path() / study["simulation"].get<std::string>()};
-  return variations;
-}
-
 // Prints what a study stored to be shown.
 int print_stored(const std::filesystem::path& results, Json document, const Shown& shown) {
   if (shown.json) {
@@ -82,15 +64,6 @@ int print_stored(const std::filesystem::path& results, Json document, const Show
   return kDone;
 }
 
-int print_variations(const std::filesystem::path& results, Json document, const Shown& shown) {
-  print_stored(results, std::move(document), shown);
-  const VariationsSummary summary = read_results<VariationsSummary>(results);
-  if (summary.failed() == 0) return kDone;
-  fmt::print(stderr, "failed: {} of {} campaigns have no errors; {} names why\n", summary.failed(),
-             summary.points.size(), (results / "points.csv").string());
-  return kItemsFailed;
-}
-
 }  // namespace
 
 const std::vector<Kind>& kinds() {
@@ -102,11 +75,7 @@ const std::vector<Kind>& kinds() {
       {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
        print_stored, calibration_study_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
-       print_stored, recording_schema},
-      {StudyKind::variations, "campaigns",
-       "a study of variations simulates its own campaigns; say in the study, as \"simulation\", what they "
-       "have in common",
-       open_variations, print_variations, variations_schema}};
+       print_stored, recording_schema}};
   return kinds;
 }
 

@@ -74,6 +74,5 @@ Json accuracy_schema();
 Json sweep_schema();
 Json calibration_study_schema();
 Json recording_schema();
-Json variations_schema();
 
 }  // namespace trilat

@@ -76,6 +76,8 @@ Json read_study(const std::filesystem::path& study) {
     if (json.is_object()) json.erase("scales");
     return json;
   }
+  if (study == "error_budget" || study == "sensitivity" || study == "sensitivity_rigs")
+    throw InputError(study.string(), "was removed; scripts/vary varies a simulation (scripts/examples)");
   if (std::ranges::find(names, study.string()) == names.end())
     throw InputError(study.string(),
                      "is neither a file nor a built-in study; " + known_names(study.string(), names));
@@ -106,10 +108,11 @@ int run(const RunArguments& arguments) {
 }  // namespace
 
 void add_run(CLI::App& app, int& code) {
-  auto [verb, a] = add_verb<RunArguments>(app, code, "run",
-                                          "a study: takes x methods, a threshold sweep, calibration, clocks "
-                                          "or variations of a simulation -> results",
-                                          run);
+  auto [verb, a] =
+      add_verb<RunArguments>(app, code, "run",
+                             "a study: takes x methods, a threshold sweep, calibration or clocks "
+                             "-> results",
+                             run);
   verb.add_option("study", a.study, "study.json, or the name of one that is built in: table3")->required();
   verb.add_option("--campaign", a.campaign, "folder of takes, instead of the study's own");
   verb.add_option("--calibration", a.calibration, "calibration.json, instead of the takes' own");

@@ -15,7 +15,6 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sweep/sweep_spec.h"
-#include "pipeline/variations/variations_spec.h"
 
 namespace trilat {
 namespace {
@@ -154,18 +153,6 @@ Json recording_schema() {
   const Json example =
       with_methods(study("recording", R"({"networks": [{"name": "a", "jitter_back_s": 0}]})"), true);
   return schema_of({example}, [](const Json& json) { parse_recording_spec(json, "example"); });
-}
-
-Json variations_schema() {
-  const auto example = [](const char* more) { return with_methods(study("variations", more), false); };
-  return schema_of(
-      {example(
-           R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1}, "patch": {},
-      "ranges": [{"setting": "/rig/radius_m", "low": 1, "high": 2}, {"setting": "/sensor/rate_hz", "values": [10, 30]}],
-      "comparisons": [{"better": "mean", "than": ["linear"]}]})"),
-       example(R"({"alignments": ["mean"], "simulation": {"format": "trilat.simulation", "version": 1},
-      "patches": [{"name": "nearer", "patch": {"rig": {"radius_m": 1}}}]})")},
-      [](const Json& json) { parse_variations(json, "example", {}, Json::object()); });
 }
 
 namespace {

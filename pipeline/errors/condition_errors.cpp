@@ -239,24 +239,4 @@ ConditionErrors StudyErrors::in(const std::string& condition, Subset subset) con
   return {takes_, condition, subset, names_.participants, axes_};
 }
 
-std::vector<double> paired_errors_m(std::span<const TakeTable> takes, const std::vector<std::string>& joints,
-                                    std::size_t methods, const std::string& activity) {
-  const std::size_t alignments = takes.empty() ? 0 : takes.front().errors.alignments.size();
-  const TableAxes axes(joints, methods, alignments);
-  const ConditionErrors errors(takes, activity, Subset::all, 0, axes);
-  const auto mean_m = [](const ClusterSums& sums) {
-    return solve_contrast({{sums.ratio(sums.n.size())}, {}}).value;
-  };
-  std::vector<double> paired_m;
-  for (std::size_t a = 0; a < alignments; ++a)
-    for (std::size_t m = 0; m < methods; ++m)
-      for (std::size_t with = 0; with < methods; ++with) {
-        double sum_m = 0.0;
-        for (std::size_t g = 0; g < axes.groups.size(); ++g)
-          sum_m += mean_m(m == with ? errors.cell(g, m, a).length_m : errors.pair(g, m, with, a).first_m);
-        paired_m.push_back(sum_m / static_cast<double>(axes.groups.size()));
-      }
-  return paired_m;
-}
-
 }  // namespace trilat

@@ -152,11 +152,4 @@ class StudyErrors {
   TableAxes axes_;
 };
 
-// The mean error of each method (row) over the samples that each other one (column) answers too, both aligned
-// on these; of a method with itself over all its answers. In metres, the mean of the joint groups, of the
-// takes of one activity; NaN where a group has no such sample, or the pair is in no table. One such matrix
-// behind the other for each alignment.
-std::vector<double> paired_errors_m(std::span<const TakeTable> takes, const std::vector<std::string>& joints,
-                                    std::size_t methods, const std::string& activity);
-
 }  // namespace trilat

@@ -8,7 +8,6 @@
 #include "datasets/base/files.h"
 #include "datasets/results/declared_parameters.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/variations/variations_study.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
@@ -80,56 +79,6 @@ TEST(Assumptions, OfARecordedTakeNameTheRecordingInPlaceOfThePersonAndTheMocap) 
   EXPECT_EQ(value_of(parameters, "marker noise"), "no marker noise");
   execute_study(mean_study(), campaign, recorded.folder / "results", {});
   EXPECT_EQ(read_declared_parameters(recorded.folder / "results"), parameters);
-}
-
-Json variations_of(const RecordedSession& recorded) {
-  return {
-      {"format", "trilat.study"},
-      {"version", 1},
-      {"kind", "variations"},
-      {"name", "own"},
-      {"alignments", {"none"}},
-      {"methods", {{{"method", "mean"}}}},
-      {"simulation",
-       {{"format", "trilat.simulation"},
-        {"version", 1},
-        {"recorded",
-         {{"mocap", recorded.spec.recorded->mocap.string()},
-          {"mapping", recorded.spec.recorded->mapping.string()}}},
-        {"body_tracker", Json::object()}}},
-      {"patches",
-       {{{"name", "as it is"}, {"patch", Json::object()}},
-        {{"name", "no bias"},
-         {"patch",
-          {{"body_tracker", {{"bias_sigma_m", 0}, {"view_bias_sigma_m", 0}, {"own_bias_sigma_m", 0}}}}}}}}};
-}
-
-TEST(Assumptions, ARecordedTakeCanBeVaried) {
-  RecordedSession recorded;
-  run_study(variations_study(parse_variations(variations_of(recorded), "own.json", {}, {})),
-            recorded.folder / "results", {.threads = 2});
-  const auto s = read_results<VariationsSummary>(recorded.folder / "results");
-  EXPECT_EQ(s.participants, 1u);
-  EXPECT_LT(s.points[1].paired_m[0], 0.9 * s.points[0].paired_m[0]);
-  EXPECT_EQ(value_of(read_declared_parameters(recorded.folder / "results"), "motion"), "recorded take");
-}
-
-TEST(Assumptions, ARecordedTakeThatIsReplacedMeanwhileIsRefused) {
-  RecordedSession recorded;
-  const VariationsSpec spec = parse_variations(variations_of(recorded), "own.json", {}, {});
-  simulate_into(recorded.folder / "other", walking_spec(1, 3.0));
-  std::once_flag once;
-  const auto replace = [&](const std::string&, double) {
-    std::call_once(once, [&] {
-      std::filesystem::rename(recorded.folder / "other/p01-walking/mocap.csv", recorded.spec.recorded->mocap);
-    });
-  };
-  EXPECT_THAT(message_of([&] {
-                run_study(variations_study(spec), recorded.folder / "results",
-                          {.threads = 1, .progress = replace});
-              }),
-              HasSubstr("mocap.csv: changed while it was being evaluated; run again"));
-  EXPECT_FALSE(std::filesystem::exists(recorded.folder / "results/summary.json"));
 }
 
 }  // namespace

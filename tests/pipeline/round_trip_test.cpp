@@ -16,7 +16,6 @@
 #include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/recording/recording_summary.h"
 #include "pipeline/sweep/sweep_summary.h"
-#include "pipeline/variations/variations_summary.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -81,9 +80,8 @@ void expect_read_back(const T& value) {
 
 template <class T>
 class Filled : public testing::Test {};
-using Plain =
-    testing::Types<StoredItem, TrackingSummary, StageTimings, SweepTimings, SweepInterpretation, SweepCell,
-                   SweepSearch, VariationsSummary, ResultsSummary, StoredTables, StoredFigures>;
+using Plain = testing::Types<StoredItem, TrackingSummary, StageTimings, SweepTimings, SweepInterpretation,
+                             SweepCell, SweepSearch, ResultsSummary, StoredTables, StoredFigures>;
 TYPED_TEST_SUITE(Filled, Plain);
 
 TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from made import PROGRAM, ScratchTest, ended, everything_in, made, settled, stopped_after, trilat
+from made import PROGRAM, ScratchTest, ended, everything_in, made, settled, stopped_with, trilat
 
 WALK = {"format": "trilat.simulation", "version": 1, "name": "walk", "participants": 4, "body_tracker": {},
         "activities": [{"name": "walking", "duration_s": 2}]}
@@ -24,9 +24,6 @@ STUDIES = {
                     "bodies_instants": 5},
     "recording": {"frames": 600, "sensors": 2, "runs": 4,
                   "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}], "methods": SOLVERS},
-    "variations": {"clock": "stated", "points": 8, "methods": SOLVERS, "simulation": WALK, "patch": {"participants": 1},
-                   "ranges": [{"setting": "/rig/radius_m", "low": 1.8, "high": 2.2}],
-                   "comparisons": [{"better": "nonlinear", "than": ["mean"]}]},
 }
 MARK = {"simulation": "campaign.json"}  # the file that finishes an output
 KINDS = set(os.environ.get("TRILAT_KINDS", "simulation " + " ".join(STUDIES)).split())
@@ -69,12 +66,10 @@ class Stops(Studies):
         stops = 0
         for kind, words in self.each():
             with self.subTest(kind):
-                whole, begin = self.folder / f"{kind}-whole", time.monotonic()
+                whole, gone_on = self.folder / f"{kind}-whole", self.folder / f"{kind}-gone-on"
                 trilat(*words(1), "-o", whole)
-                took_s = time.monotonic() - begin
-                gone_on = self.folder / f"{kind}-gone-on"
-                for share, by in ((0.3, signal.SIGINT), (0.5, signal.SIGKILL), (0.6, signal.SIGTERM)):
-                    code, said = stopped_after(share * took_s, *words(1), "-o", gone_on, by=by)
+                for items, by in ((1, signal.SIGINT), (2, signal.SIGKILL), (2, signal.SIGTERM)):
+                    code, said = stopped_with(items, gone_on, *words(1), "-o", gone_on, by=by)
                     if code in (-signal.SIGINT, -signal.SIGTERM):  # it had not begun
                         self.assertEqual(said, "")
                         continue
@@ -138,13 +133,11 @@ class Stops(Studies):
                 folder = self.folder / str(number)
                 before = ["run", self.study(kind), "--threads", 1]
                 after = ["run", self.written("after.json", {**json.loads(before[1].read_text()), **changed})]
-                begin = time.monotonic()
                 trilat(*before, "-o", folder / "before")
-                took_s = time.monotonic() - begin
                 trilat(*after, "-o", folder / "whole")
-                for share in (0.4, 0.6, 0.8, 100):  # the last is finished before
-                    output = folder / str(share)
-                    stopped_after(share * took_s, *before, "-o", output, by=signal.SIGKILL)
+                for items in (1, 3, 5, 1000):  # the last is finished before
+                    output = folder / str(items)
+                    stopped_with(items, output, *before, "-o", output, by=signal.SIGKILL)
                     trilat(*after, "-o", output)
                     self.assert_same(folder / "whole", output)
 
@@ -158,7 +151,7 @@ class Stops(Studies):
             self.assertEqual((results / name).read_text(), "ten years of work")
 
     def test_two_runs_cannot_fill_one_folder(self):
-        words = ["run", self.study("variations"), "-o", self.folder / "results"]
+        words = ["run", self.study("recording"), "-o", self.folder / "results"]
         os.symlink("results", self.folder / "link")
         first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         while not (self.folder / "results.lock").exists() and first.poll() is None:

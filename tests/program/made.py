@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -57,14 +58,13 @@ def trilat(*words, code=0, cwd=None, env=None):
     return said
 
 
-def stopped_after(seconds, *words, by=signal.SIGINT):
-    """Runs the program and stops it; its exit code and what it said."""
+def stopped_with(items, output, *words, by):
+    """Runs the program and stops it once so many items lie in its output; its exit code and what it said."""
     process = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    try:
-        said, _ = process.communicate(timeout=seconds)
-    except subprocess.TimeoutExpired:
-        process.send_signal(by)
-        said, _ = process.communicate(timeout=600)
+    while process.poll() is None and len(list(Path(output).rglob("item.json"))) < items:
+        time.sleep(0.002)
+    process.send_signal(by)
+    said, _ = process.communicate(timeout=600)
     return process.returncode, said
 
 

@@ -85,7 +85,9 @@ void tell(Settings& s, StudySpec& spec) {
 
 }  // namespace
 
-StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder) {
+StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
+  JsonObject object(json, place, "");
+  object.choice("kind", {"accuracy"});
   StudySpec spec;
   object.format(kFormat);
   spec.name = object.text("name");
@@ -102,13 +104,6 @@ StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path
   }
   object.about({{"methods", "that are compared, beside those that takes bring"}});
   check_names(object, spec);
-  return spec;
-}
-
-StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder) {
-  JsonObject object(json, place, "");
-  object.choice("kind", {"accuracy"});
-  StudySpec spec = read_accuracy_settings(object, folder);
   object.finish();
   return spec;
 }

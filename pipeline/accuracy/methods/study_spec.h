@@ -48,8 +48,6 @@ struct StudySpec {
   std::vector<MethodSpec> methods;
 };
 
-// The settings of an accuracy study, also inside a study of variations; `kind` and finish() are the caller's.
-StudySpec read_accuracy_settings(JsonObject& object, const std::filesystem::path& folder);
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
 
 // Every setting written out, defaults included: what goes into the manifest and its hash.
