@@ -24,8 +24,7 @@ namespace {
 // nothing.
 struct ExchangeEvidence {
   std::array<bool, kMaxSensors> seen{};
-  // For the labels as they are and against an exchange: toes, knees and elbows, the way of walking, and that
-  // a person whose labels say "seen from behind" is.
+  // For the labels as they are and against an exchange: toes, knees and elbows.
   std::array<double, kMaxSensors> labels_right{};
   // That the sensor is in the same state (exchanged or not) as when it last saw the same joints.
   std::array<double, kMaxSensors> as_before{};
@@ -40,7 +39,6 @@ using enum Joint;
 constexpr std::array<Joint, 8> kLeft{shoulder_left, hip_left,  elbow_left, wrist_left,
                                      hand_left,     knee_left, ankle_left, foot_left};
 constexpr std::size_t kTrunkPairs = 2;
-constexpr std::array<Joint, 5> kMiddle{spine_base, spine_mid, spine_shoulder, neck, head};
 
 // Sizes in metres. Errors of two sensors differ by centimetres, those of one sensor hardly change in a frame.
 constexpr double kAlikeScale_m2 = 0.1 * 0.1, kAlikeMost = 1.5;
@@ -57,11 +55,6 @@ struct Shape {
 constexpr Shape kToes{0.15, 0.10}, kKnee{0.05, 0.10}, kElbow{0.06, 0.10}, kHands{0.08, 0.15};
 constexpr double kShapeMost = 8.0;
 
-constexpr double kNoWalk_m_s = 0.2, kWalk_m_s = 0.4, kWalkWeight = 8.0, kWalkHalfWindow_s = 0.25;
-// Cosine between the front by the labels and the direction to the sensor: from the first one down the labels
-// begin to say "seen from behind", below the second they surely do.
-constexpr double kMaybeBehind = -0.25, kSurelyBehind = -0.6, kBehindWeight = 24.0;
-
 double weight_of(const ObservedBody& body, Joint joint) {
   switch (body.state[static_cast<std::size_t>(joint)]) {
     case TrackingState::tracked:
@@ -75,11 +68,6 @@ double weight_of(const ObservedBody& body, Joint joint) {
 }
 
 double clamped(double value, double most) { return std::clamp(value, -most, most); }
-
-// 0 from `none` on, 1 from `full` on, whichever of the two is larger.
-double ramp(double value, double none, double full) {
-  return std::clamp((value - none) / (full - none), 0.0, 1.0);
-}
 
 Vector3d level(const Vector3d& direction) { return {direction.x(), 0.0, direction.z()}; }
 
@@ -147,14 +135,13 @@ class ExchangeEvidenceSource {
   ExchangeEvidence next() {
     ExchangeEvidence evidence;
     std::array<Sides, kMaxSensors> sides;
-    const Vector3d walking = walking_direction();
     for (std::size_t a = 0; a < tracks_.sensors(); ++a) {
       const ObservedBody& body = tracks_.at(instant_, a);
       evidence.seen[a] = std::ranges::any_of(
           body.state, [](TrackingState state) { return state != TrackingState::not_tracked; });
       if (!evidence.seen[a]) continue;
       sides[a] = sides_of(a);
-      evidence.labels_right[a] = labels_right(a, sides[a], walking);
+      evidence.labels_right[a] = labels_right(a, sides[a]);
       evidence.as_before[a] = as_before(a, sides[a]);
       for (std::size_t b = 0; b < a; ++b) {
         double sum = 0.0;
@@ -213,7 +200,7 @@ class ExchangeEvidenceSource {
     return sum;
   }
 
-  double labels_right(std::size_t sensor, const Sides& now, const Vector3d& walking) const {
+  double labels_right(std::size_t sensor, const Sides& now) const {
     Vector3d left_m = Vector3d::Zero();
     double weight = 0.0;
     for (std::size_t p = 0; p < kTrunkPairs; ++p) {
@@ -228,43 +215,8 @@ class ExchangeEvidenceSource {
 
     const ObservedBody& body = tracks_.at(instant_, sensor);
     const Eigen::Quaterniond& rotation = world_from_sensor_[sensor].rotation;
-    double sum = clamped(forward.dot(level(rotation * forward_of_shape(body))), kShapeMost);
-    sum += kWalkWeight * forward.dot(walking);
-
-    const bool has_shoulders = now.weight[0] > 0.0;
-    const Joint left = has_shoulders ? shoulder_left : hip_left;
-    const Vector3d to_sensor = -level(rotation * (body.at(left) + body.at(mirror_of(left))));
-    if (to_sensor.norm() > 0.0)
-      sum += std::min(weight, 1.0) * kBehindWeight *
-             ramp(-forward.dot(to_sensor.normalized()), -kMaybeBehind, -kSurelyBehind);
+    const double sum = clamped(forward.dot(level(rotation * forward_of_shape(body))), kShapeMost);
     return sum * options_.instant_s / options_.evidence_time_s;
-  }
-
-  // Level, in the world; its length rises from 0 to 1 with the speed of the spine's and the head's joints.
-  Vector3d walking_direction() const {
-    const std::size_t half = instants_in(kWalkHalfWindow_s, options_);
-    const std::size_t first = instant_ - std::min(instant_, half);
-    const std::size_t last = std::min(instant_ + half, tracks_.instants() - 1);
-    if (last - first < half) return Vector3d::Zero();
-    Vector3d sum_m = Vector3d::Zero();
-    int count = 0;
-    for (std::size_t a = 0; a < tracks_.sensors(); ++a) {
-      const ObservedBody &before = tracks_.at(first, a), &after = tracks_.at(last, a);
-      Vector3d moved_m = Vector3d::Zero();
-      for (const Joint joint : kMiddle) {
-        if (!before.has(joint) || !after.has(joint)) continue;
-        moved_m += after.at(joint) - before.at(joint);
-        ++count;
-      }
-      sum_m += world_from_sensor_[a].rotation * moved_m;
-    }
-    if (count == 0) return Vector3d::Zero();
-    const Vector3d velocity_m_s =
-        level(sum_m) / (count * static_cast<double>(last - first) * options_.instant_s);
-    const double speed_m_s = velocity_m_s.norm();
-    return speed_m_s > kNoWalk_m_s
-               ? Vector3d(velocity_m_s / speed_m_s * ramp(speed_m_s, kNoWalk_m_s, kWalk_m_s))
-               : Vector3d(Vector3d::Zero());
   }
 
   const BodyTracks& tracks_;

@@ -14,8 +14,7 @@ namespace trilat {
 // All weights are logarithms of odds.
 struct ExchangeOptions {
   double instant_s = 1.0 / 30.0;  // between two instants of the tracks
-  // Tracker errors stay for about this long: evidence of shape and walking counts once in it, not once a
-  // frame.
+  // Tracker errors stay for about this long: evidence of shape counts once in it, not once a frame.
   double evidence_time_s = 1.0;
   double switching_cost = 6.0;  // of a sensor that begins or ends to exchange, beside what its joints say
   // Against every instant that is said to be exchanged, for takes that tell nothing else. With one sensor
@@ -41,10 +40,9 @@ struct ExchangeRepair {
 
 // The most likely course of exchanges over the take, all sensors at once (Viterbi over the 2^sensors states).
 // Weighs that sensors agree on left and right, that left and right do not jump in time, that toes, knees and
-// hands are before the body's parts they belong to and elbows behind, that people walk forwards, and that
-// only sensors that see the back exchange. The world is y up; instants follow each other at equal times. A
-// sensor without a body is never exchanged. InternalError unless every sensor has one pose and the rig is
-// within kMaxSensors.
+// hands are before the body's parts they belong to, and elbows behind. The world is y up; instants follow
+// each other at equal times. A sensor without a body is never exchanged. InternalError unless every sensor
+// has one pose and the rig is within kMaxSensors.
 [[nodiscard]] ExchangeRepair find_exchanges(const BodyTracks& tracks,
                                             std::span<const RigidTransform> world_from_sensor,
                                             const ExchangeOptions& options);
