@@ -19,6 +19,14 @@ std::string csv_quoted(std::string_view text) {
   return quoted + '"';
 }
 
+std::string shell_word(std::string_view text) {
+  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos) return std::string(text);
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
 TextOutput::TextOutput(const std::filesystem::path& path) : path_(path) {
   check_output_file(path);
   file_ = std::fopen(partial_name(path).c_str(), "wb");

@@ -17,6 +17,8 @@ namespace trilat {
 std::string csv_field(std::string_view text);
 // The same, always between quotes.
 std::string csv_quoted(std::string_view text);
+// Text that a shell takes as one word: as it is when that is plain, else in single quotes.
+std::string shell_word(std::string_view text);
 
 // A file of any length that is written aside and gets its name by publish(); without that nothing is left.
 // OutputError with the path when the disk does not let us.

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/text_output.h"
 #include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
@@ -64,7 +65,7 @@ bool is_c3d(const std::filesystem::path& path) {
   return key == kKey && block > 0 && block < ' ';
 }
 
-// By its first row, as Arena, Tracking Tools and Motive before 1.2 wrote it.
+// Whether the first row of a file is one that Arena, Tracking Tools or Motive before version 1.2 wrote.
 bool is_arena(std::string_view line) {
   constexpr std::string_view kRows[] = {"comment",   "info",      "righthanded", "lefthanded",
                                         "trackable", "rigidbody", "frame"};
@@ -75,12 +76,10 @@ bool is_arena(std::string_view line) {
 // The line that makes Motive's CSV of a file in another format.
 [[noreturn]] void refuse_with_converter(const std::filesystem::path& path, const char* what,
                                         const char* format) {
-  throw InputError(
-      path.string(),
-      fmt::format("is {}; python3 -m trilat.convert {} {} -o {}", what, format, path.string(),
-                  std::filesystem::path(path)
-                      .replace_extension(format == std::string_view("c3d") ? ".csv" : ".motive.csv")
-                      .string()));
+  const bool is_c3d = format == std::string_view("c3d");
+  const auto output = std::filesystem::path(path).replace_extension(is_c3d ? ".csv" : ".motive.csv");
+  throw InputError(path.string(), fmt::format("is {}; python3 -m trilat.convert {} {} -o {}", what, format,
+                                              shell_word(path.string()), shell_word(output.string())));
 }
 
 }  // namespace

@@ -12,7 +12,8 @@
 namespace trilat {
 namespace {
 
-constexpr double kJumpSpeed_m_s = 20.0;  // a sprinter's foot reaches this, nobody in a room does
+constexpr double kJumpSpeed_m_s =
+    20.0;  // a foot of a sprinter is as fast, no body part of a person in a room is
 
 }  // namespace
 

@@ -143,8 +143,8 @@ std::size_t width_of(const HeadingRows& rows, const Cells& axes) {
   return width;
 }
 
-// The place of a column among an asset's numbers; kSlotsPerAsset for what is no position, such as a rotation
-// or a marker's quality.
+// Returns 0, 1 or 2 for a column that holds an asset's position along x, y or z, and kSlotsPerAsset for every
+// other column, such as a rotation or the quality of a marker.
 std::size_t slot_of(const std::string& kind, const std::string& axis) {
   if (axis.size() != 1 || kind != "Position") return kSlotsPerAsset;
   return std::min(std::string_view("XYZ").find(axis[0]), kSlotsPerAsset);

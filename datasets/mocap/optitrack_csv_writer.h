@@ -11,8 +11,8 @@
 namespace trilat {
 
 // Writes the positions of a take as Motive 1.25 lays it out: in the header's unit with six decimals; what is
-// missing is an empty cell. Streams beside the final name and takes it only in
-// finish(); without that the partial file is removed.
+// missing is an empty cell. Streams beside the final name and takes it only in finish(); without that the
+// partial file is removed.
 class OptitrackCsvWriter {
  public:
   // Uses of `header` the names, rates, counts, length unit and assets. Rates must be stated.

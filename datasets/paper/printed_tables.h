@@ -106,7 +106,7 @@ struct PrintedTable4 {
 
 PrintedTable4 printed_table4();
 
-// What the paper prints that cannot be so, in our words.
+// The errata of the paper: what it prints, why that cannot be right, and what replaces it, in our words.
 struct PrintedErrata {
   struct Erratum {
     std::string id, where, printed, problem, corrected;

@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// Which samples of a take a row is of: all; those that a sensor sees occluded.
+// The samples of a take that a row sums: all of them, or those in which a sensor sees the joint occluded.
 enum class Subset : std::uint8_t { all, occluded };
 inline constexpr std::array kSubsetNames{"all", "occluded"};
 

@@ -47,7 +47,7 @@ std::string contradiction_in(const RangeBearingOptions& options);
 // from the sensor's ray: the part of |x - s| (u - e) across u, and as long as that across e = (x - s)/|x -
 // s|. As bearing_m grows it becomes the trilateration of eq. 10, as range_m grows triangulation; with equal
 // sigmas it differs from the mean of the sensors' positions by second-order terms only. Bearings tell the
-// sides of the sensors' plane apart, so that there is no mirror image to choose from. Ends with converged,
+// two sides of the sensors' plane apart, so no mirror image has to be chosen. Ends with converged,
 // iteration_limit, diverged, no_observation or non_finite_input. `covariance` is the Cramer-Rao bound at the
 // position, in m^2: (sum (e e^T / range_m^2 + (I - e e^T) / bearing_m^2))^-1. InternalError when
 // contradiction_in(options).

@@ -6,12 +6,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/cli/print_stored.h"
 #include "pipeline/recording/recording_study.h"
 #include "pipeline/sweep/sweep_study.h"
-#include "reports/render/render.h"
 
 namespace trilat {
 namespace {
@@ -50,16 +49,13 @@ OpenedStudy open_recording(const RunArguments& arguments, const Json& study) {
                   spec.frames));
 }
 
-// Prints what a study stored to be shown.
-int print_stored(const std::filesystem::path& results, Json document, const Shown& shown) {
+int print_tables(const std::filesystem::path& results, Json document, const Shown& shown) {
   if (shown.json) {
     document.update(Json{{"results", results.string()}, {"simulated", true}});
     fmt::print("{}\n", json_text(document, 2));
     return kDone;
   }
-  const StoredTables stored = read_beside<StoredTables>(results).value();
-  for (const Table& table : stored.tables) fmt::print("{}\n", markdown_of(table));
-  for (const std::string& sentence : stored.findings) fmt::print("{}\n", sentence);
+  print_stored(results, true);
   fmt::print("results: {}\n", results.string());
   return kDone;
 }
@@ -73,9 +69,9 @@ const std::vector<Kind>& kinds() {
        "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_sweep,
        sweep_schema},
       {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
-       print_stored, calibration_study_schema},
+       print_tables, calibration_study_schema},
       {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
-       print_stored, recording_schema}};
+       print_tables, recording_schema}};
   return kinds;
 }
 

@@ -5,8 +5,8 @@
 
 namespace trilat {
 
-// Prints on stdout what a study stored for its readers: what it is about, its first tables as far as they fit
-// a terminal (or with `all` all of those that a report shows, whole), findings and warnings.
+// Prints the stored title, tables, findings and warnings of a study on stdout. Only the first tables are
+// printed, cut to the width of a terminal; with `all` every table that a report shows is printed whole.
 void print_stored(const std::filesystem::path& results, bool all = false);
 
 }  // namespace trilat

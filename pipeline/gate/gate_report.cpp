@@ -10,6 +10,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/text_output.h"
+
 namespace trilat {
 namespace {
 
@@ -133,15 +135,6 @@ std::string headline_of(const GateReport& report) {
       break;
   }
   return "REGRESSION: " + worst_text(report) + (not_judged.empty() ? "" : "; not judged: " + not_judged);
-}
-
-// Text that a shell takes as one word: as it is when that is plain, else in single quotes.
-std::string shell_word(const std::string& text) {
-  const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
 }
 
 }  // namespace

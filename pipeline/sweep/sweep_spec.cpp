@@ -282,7 +282,9 @@ void tell(Settings& s, SweepSpec& spec) {
   s("seed", spec.seed, "of every random number");
   s("max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
   s("time_problems", spec.time_problems, {0, kMostTimed},
-    "timed on one thread by the scalar solver, the fastest of three; 0: times are as the run took");
+    "problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
+    "counts; 0: the "
+    "run's own times are shown");
   s("search", spec.search, "rank all readings by their distance from the printed Table I");
 }
 

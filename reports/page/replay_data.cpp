@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMostRate_hz = 15.0;
 constexpr std::int64_t kShown_ns = 35'000'000'000;
-constexpr std::uint64_t kMostInstants = 35 * 1000;  // of a study's rate at most 1 kHz
+constexpr std::uint64_t kMostInstants = 35 * 1000;  // a study takes at most 1000 instants a second
 
 std::int16_t millimetres(double metres) {
   constexpr std::int16_t kNone = -32768;
@@ -28,7 +28,7 @@ std::int16_t millimetres(double metres) {
   return std::isfinite(mm) && std::abs(mm) <= kFarthest_mm ? static_cast<std::int16_t>(mm) : kNone;
 }
 
-// Every `step`th of the first `instants`.
+// Packs every `step`th of the first `instants` instants.
 class Packer {
  public:
   Packer(std::uint64_t instants, std::uint64_t step) : instants_(instants), step_(step) {}

@@ -158,10 +158,13 @@ std::string terminal_text(const Table& table, std::size_t width) {
   std::string text;
   for (const std::string& line : lines_of(one_line(table.title), width)) text += line + '\n';
   for (const std::string& line : lines) text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
-  const std::size_t rows_left = table.rows.size() - rows,
-                    columns_left = table.columns.size() - columns.size();
-  if (rows_left + columns_left > 0)
-    text += fmt::format("{} rows and {} columns more are in the report\n", rows_left, columns_left);
+  const auto is_marked = [](const TableValue& value) { return value.mark != TableValue::Mark::none; };
+  if (std::ranges::any_of(table.rows, [&](const auto& row) { return std::ranges::any_of(row, is_marked); }))
+    text += "*: the least error; ≈: cannot be distinguished from it on the samples that both answer\n";
+  if (const std::size_t left = table.rows.size() - rows; left > 0)
+    text += fmt::format("the report has {} more row{}\n", left, left == 1 ? "" : "s");
+  if (const std::size_t left = table.columns.size() - columns.size(); left > 0)
+    text += fmt::format("the report has {} more column{}\n", left, left == 1 ? "" : "s");
   return text;
 }
 

@@ -25,9 +25,9 @@ std::string printed_interval(const TableValue& value);
 
 std::string markdown_of(const Table& table);
 
-// Title, rows and notes for a terminal: the first rows where a table has many, and the first and the last
-// columns as they fit into so many characters; what is left out is counted. Best and its like are marked `*`
-// and `≈`.
+// Title and rows for a terminal: the first rows where a table has many, and the first and the last columns as
+// they fit into so many characters. The best is marked `*` and its like `≈`; lines below say what the marks
+// mean and how many rows and columns are left out.
 std::string terminal_text(const Table& table, std::size_t width);
 
 }  // namespace trilat

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
@@ -147,6 +148,23 @@ TEST(MarkerReaders, AC3dIsNamedWithTheConverter) {
   EXPECT_EQ(
       message_of([&] { MocapReader reader(file); }),
       file + ": is C3D; python3 -m trilat.convert c3d " + file + " -o " + std::string(folder / "walk.csv"));
+}
+
+TEST(MarkerReaders, TheLineThatConvertsCanBePastedWhateverThePath) {
+  const ScratchFolder folder;
+  const struct {
+    const char *name, *text, *line;
+  } cases[] = {{"my walk.c3d", "\x02\x50", " c3d '{}/my walk.c3d' -o '{}/my walk.csv'"},
+               {"Ann's.c3d", "\x02\x50", " c3d '{}/Ann'\\''s.c3d' -o '{}/Ann'\\''s.csv'"},
+               {"walk (2).csv", "righthanded\n", " arena '{}/walk (2).csv' -o '{}/walk (2).motive.csv'"},
+               {"$HOME.csv", "frame,0,0,0,0\n", " arena '{}/$HOME.csv' -o '{}/$HOME.motive.csv'"},
+               {"plain_1.csv", "lefthanded\n", " arena {}/plain_1.csv -o {}/plain_1.motive.csv"}};
+  for (const auto& one : cases) {
+    write_file(folder / one.name, std::string(one.text).append(510, '\0'));
+    const std::string at = folder.path().string();
+    EXPECT_THAT(message_of([&] { MocapReader reader(folder / one.name); }),
+                HasSubstr("python3 -m trilat.convert" + fmt::format(fmt::runtime(one.line), at, at)));
+  }
 }
 
 // Files of other people's systems.
