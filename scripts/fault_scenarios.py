@@ -11,7 +11,7 @@ import sys
 LIMIT_S = 60  # a run takes less than one
 # Files that tell of a run and not of its results: times, places, machines.
 VOLATILE = {"run.json", "hashes.json", "accepted.json", "history.jsonl", "timings.json"}
-TIMED = {"tables.json", "figures.json", "item.json", "sweep.csv"}  # where timings.json is beside them
+TIMED = {"tables.json", "figures.json", "item.json", "sweep.csv"}  # of a sweep these hold times too
 
 
 SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "small", "participants": 2, "body_tracker": {},
@@ -95,12 +95,12 @@ def prepare(scenario, stock_folder, folder):
         (shutil.copytree if source.is_dir() else shutil.copy2)(source, folder / (other or name))
 
 
-def files_of(path):
+def files_of(scenario, path):
     """What lies there, by name: its hash."""
+    volatile = VOLATILE | TIMED if scenario.name.startswith("sweep") else VOLATILE
     found = {}
     for file in sorted([path, *path.rglob("*")]) if path.exists() else []:
         if file.is_file():
-            timed = file.name in TIMED and (file.parent / "timings.json").exists()
-            data = b"" if timed or file.name in VOLATILE else file.read_bytes()
+            data = b"" if file.name in volatile else file.read_bytes()
             found[str(file.relative_to(path))] = hashlib.sha256(data).hexdigest()
     return found

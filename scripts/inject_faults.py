@@ -80,7 +80,7 @@ class Injector:
         code, out, err = run(self.program, scenario.command, folder, before, extra)
         if code != 0:
             sys.exit(f"inject_faults: {scenario.name} ends with {code} without any fault: {err}")
-        self.clean[scenario.name] = (out, files_of(folder / "out"))
+        self.clean[scenario.name] = (out, files_of(scenario, folder / "out"))
         lines = (folder / "trace").read_text(errors="replace").splitlines()
         words = {word for word in re.split(r"[ =]", scenario.command) if word not in ("run", "out")}
         names = "|".join(re.escape(w) for w in sorted(words | {"out.partial", "script", "fd"}) if "-" not in w)
@@ -90,7 +90,7 @@ class Injector:
         """What is wrong; nothing when all is right."""
         code, out, err = result
         clean_out, clean_files = self.clean[scenario.name]
-        now = files_of(folder / "out")
+        now = files_of(scenario, folder / "out")
         if code is None:
             return "hangs"
         if code < 0 or code > 128:
@@ -140,7 +140,7 @@ class Injector:
             if code == 0:
                 return "succeeds without a recording"
             return "" if err.strip() or silent else "fails without a message"
-        if scenario.name == "recover" and code == 0 and files_of(folder / "out") != self.clean["recover"][1]:
+        if scenario.name == "recover" and code == 0 and files_of(scenario, folder / "out") != self.clean["recover"][1]:
             return "succeeds without all that was there"
         if code == 1 and "failed" not in err and "broke" not in err:
             return f"ends with 1 and names no failure: {err[-300:]}"
@@ -162,7 +162,7 @@ class Injector:
             command, right = "recover out", (0, 1, 2)  # nothing may have been flushed yet
         _, clean_files = self.clean[scenario.name]
         code, _, err = run(self.program, command, folder)
-        now = files_of(folder / "out")
+        now = files_of(scenario, folder / "out")
         if code == 2 and "exists" in err and scenario.name in ("record", "recover"):
             return "" if recorded else f"again: {err[-300:]}"  # recordings are never replaced
         if code not in right or (code == 2 and not err.startswith("trilat: ")):
@@ -176,7 +176,7 @@ class Injector:
         kind, call, which, error, lasting = fault
         folder = self.work / f"{number}"
         prepare(scenario, self.work / "stock", folder)
-        earlier = files_of(folder / "out")
+        earlier = files_of(scenario, folder / "out")
         when = f"{which}+" if lasting else f"{which}"
         error = "retval=0" if call == "brk" else f"error={error}"  # what the kernel says: the end did not move
         options = ["-e", f"trace={call}", "-e", f"inject={call}:{error}:when={when}"]

@@ -21,7 +21,7 @@ constexpr double kPersonToBall_m = 1.2;
 Vector3d horizontal(double bearing_rad) { return {std::sin(bearing_rad), 0.0, std::cos(bearing_rad)}; }
 
 // From 0 to 1 without speed and acceleration at either end.
-double eased(double share) { return share * share * share * (10.0 + share * (6.0 * share - 15.0)); }
+double share_of_way(double share) { return share * share * share * (10.0 + share * (6.0 * share - 15.0)); }
 
 std::vector<Vector3d> positions_of(std::uint64_t count, std::uint64_t seed, const Vector3d& centre_m) {
   std::vector<Vector3d> positions;
@@ -86,7 +86,7 @@ WandMotion::Stand WandMotion::stand_at(double time_s) const {
   const double cycle = std::clamp(std::floor(time_s / (spec_.hold_s + spec_.move_s)), 0.0, last);
   const auto i = static_cast<std::size_t>(cycle);
   if (time_s <= holds_[i].to_s || i + 1 == holds_.size()) return {holds_[i].ball_in_world_m, bearing_rad_[i]};
-  const double share = eased(std::min(1.0, (time_s - holds_[i].to_s) / spec_.move_s));
+  const double share = share_of_way(std::min(1.0, (time_s - holds_[i].to_s) / spec_.move_s));
   const Vector3d& from = holds_[i].ball_in_world_m;
   return {from + share * (holds_[i + 1].ball_in_world_m - from),
           bearing_rad_[i] + share * (bearing_rad_[i + 1] - bearing_rad_[i])};

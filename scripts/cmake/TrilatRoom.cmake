@@ -40,22 +40,20 @@ if(TRILAT_SANITIZE)
   add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
-# What costs most is done once. The headers below are parsed once a build, and neighbouring files of a room are
-# compiled as one, up to 64 kB of them: so a name in an anonymous namespace stands once in a room, and hides none of
-# a header. The debug preset compiles each file alone, without those headers; each .cpp includes its own header first.
+# What costs most is done once. The dearest headers are parsed once a build, and the files of one folder are compiled
+# together: a list of SOURCES is one translation unit, and `--` in it begins the next. So a name in an anonymous
+# namespace stands once in its unit, and hides none of a header. The debug preset compiles each file alone, without those
+# headers; each .cpp includes its own header first.
 option(TRILAT_UNITY "Compile several files together; quicker for all, slower after a change of one" ON)
 option(TRILAT_PCH "Parse the dearest headers of other libraries once" ON)
 function(trilat_together name headers)
-  set(group 0)
-  set(bytes 0)
+  set(unit 0)
   foreach(source ${ARGN})
-    file(SIZE ${CMAKE_CURRENT_SOURCE_DIR}/${source} size)
-    math(EXPR bytes "${bytes} + ${size}")
-    if(bytes GREATER 65536)
-      math(EXPR group "${group} + 1")
-      set(bytes ${size})
+    if(source STREQUAL "--")
+      math(EXPR unit "${unit} + 1")
+    else()
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${unit}")
     endif()
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${group}")
   endforeach()
   set_target_properties(${name} PROPERTIES UNITY_BUILD ${TRILAT_UNITY} UNITY_BUILD_MODE GROUP)
   if(TARGET ${headers})
@@ -79,7 +77,9 @@ endfunction()
 function(trilat_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
   if(ROOM_SOURCES)
-    add_library(${name} STATIC ${ROOM_SOURCES})
+    set(files ${ROOM_SOURCES})
+    list(REMOVE_ITEM files --)
+    add_library(${name} STATIC ${files})
     target_link_libraries(${name} PUBLIC trilat_flags ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
     if(TRILAT_UNDEFINED_OUTSIDE AND NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(datasets|recorders)")
       target_compile_options(${name} PRIVATE -fno-sanitize=undefined)
@@ -98,7 +98,9 @@ endfunction()
 # `walk` is a whole use of the program, `statistics` are Monte-Carlo tests, named by patterns of GoogleTest.
 function(trilat_test name)
   cmake_parse_arguments(TEST "" "SHARDS" "SOURCES;LINK;LABELS;STATISTICS" ${ARGN})
-  add_executable(${name} ${TEST_SOURCES})
+  set(files ${TEST_SOURCES})
+  list(REMOVE_ITEM files --)
+  add_executable(${name} ${files})
   target_link_libraries(${name} PRIVATE ${TEST_LINK} trilat_test_support GTest::gmock_main)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   if(TRILAT_SANITIZE MATCHES undefined)  # of the tests themselves: it doubles what compiling them costs

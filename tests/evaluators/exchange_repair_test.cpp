@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <ostream>
 #include <string>
 
@@ -12,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "tests/evaluators/observed_takes.h"
+#include "tests/support/trials.h"
 
 namespace trilat {
 namespace {
@@ -79,8 +79,7 @@ class Exchanges : public testing::TestWithParam<Scenario> {};
 
 TEST_P(Exchanges, AreRepairedAndWhatIsRightIsLeftAlone) {
   const Scenario& scenario = GetParam();
-  const char* more = std::getenv("TRILAT_TAKES");
-  const std::uint64_t takes = more ? std::strtoull(more, nullptr, 10) : 7;
+  const std::uint64_t takes = trials(60);
   Score all;
   for (const Activity activity : {Activity::walking, Activity::arm_swing, Activity::leg_crossing}) {
     Score score;

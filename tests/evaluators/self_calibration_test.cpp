@@ -5,6 +5,7 @@
 
 #include "evaluators/fusion/baselines.h"
 #include "tests/evaluators/seen_joints.h"
+#include "tests/support/trials.h"
 
 namespace trilat {
 namespace {
@@ -142,12 +143,12 @@ TEST(SelfCalibration, LeavesAnExactRigAlone) {
 
 // Over 1600 sensors: 96, 100 and 93 %, lengths that may be none included.
 TEST(SelfCalibration, IntervalsHoldTheTruth) {
-  constexpr std::uint64_t kTakes = 200;
-  const auto holds = [](const Magnitude& magnitude, double value) {
-    return magnitude.low <= value && value <= magnitude.high ? 1.0 / (4.0 * kTakes) : 0.0;
+  const std::uint64_t takes = trials(200);
+  const auto holds = [takes](const Magnitude& magnitude, double value) {
+    return magnitude.low <= value && value <= magnitude.high ? 1.0 / static_cast<double>(4 * takes) : 0.0;
   };
   double turn = 0.0, shift = 0.0, range = 0.0;
-  for (std::uint64_t seed = 100; seed < 100 + kTakes; ++seed) {
+  for (std::uint64_t seed = 100; seed < 100 + takes; ++seed) {
     const OffTake take = off_take({}, seed);
     const SelfCalibration found = take.calibrate();
     for (std::size_t s = 0; s < 4; ++s) {
@@ -157,11 +158,12 @@ TEST(SelfCalibration, IntervalsHoldTheTruth) {
       range += holds(m.range_m, take.truth[s].range_m);
     }
   }
-  EXPECT_GT(turn, 0.93);
-  EXPECT_LT(turn, 0.99);
-  EXPECT_GT(shift, 0.93);  // mostly from 0: it may be none
-  EXPECT_GT(range, 0.92);
-  EXPECT_LT(range, 0.97);
+  const double by_chance = slack(0.95, 4 * takes);
+  EXPECT_GT(turn, 0.93 - by_chance);
+  EXPECT_LT(turn, 0.99 + by_chance);
+  EXPECT_GT(shift, 0.93 - by_chance);  // mostly from 0: it may be none
+  EXPECT_GT(range, 0.92 - by_chance);
+  EXPECT_LT(range, 0.97 + by_chance);
 }
 
 TEST(SelfCalibration, OneGrossErrorMovesLittle) {

@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Whether the gate cries wolf, and whether it sees the wolf: over many simulated nights. TRILAT_NIGHTS says
-// how many, each then as long as in the paper, 35 s.
+// Whether the gate cries wolf, and whether it sees the wolf: over 400 simulated nights, each as long as in
+// the paper, 35 s, or over few short ones.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 
 #include <gmock/gmock.h>
 
 #include "pipeline/gate/compare_results.h"
 #include "tests/pipeline/simulated_nights.h"
+#include "tests/support/trials.h"
 
 namespace trilat {
 namespace {
-
-std::uint64_t nights_asked(std::uint64_t few) {
-  const char* more = std::getenv("TRILAT_NIGHTS");
-  return more ? std::max<std::uint64_t>(few, std::strtoull(more, nullptr, 10)) : few;
-}
 
 std::vector<GateFinding> judged(const SimulatedNights& nights, std::uint64_t number,
                                 const NightModel& model) {
@@ -33,7 +28,7 @@ std::vector<GateFinding> judged(const SimulatedNights& nights, std::uint64_t num
 // How many nights have an alarm; `method`: about that one, or any when empty.
 std::uint64_t nights_with_alarm(std::uint64_t seed, std::uint64_t nights, NightModel model,
                                 const std::string& method = "") {
-  model.duration_s = std::getenv("TRILAT_NIGHTS") ? 35.0 : 10.0;
+  model.duration_s = runs_all_trials() ? 35.0 : 10.0;
   const SimulatedNights simulated(seed);
   std::uint64_t alarms = 0;
   for (std::uint64_t n = 0; n < nights; ++n) {
@@ -50,14 +45,14 @@ void say(const char* what, std::uint64_t alarms, std::uint64_t nights) {
 }
 
 TEST(Nights, SameRecordingsWithoutAnyChangeGiveNoAlarm) {
-  const std::uint64_t nights = nights_asked(5), alarms = nights_with_alarm(1, nights, {});
+  const std::uint64_t nights = trials(400), alarms = nights_with_alarm(1, nights, {});
   say("16 persons, same recordings, nothing changed", alarms, nights);
   EXPECT_EQ(alarms, 0u);
 }
 
 TEST(Nights, SameRecordingsAndAMethodThreePercentWorseGiveOneAlways) {
   for (const std::size_t participants : {1, 4, 16}) {
-    const std::uint64_t nights = nights_asked(5);
+    const std::uint64_t nights = trials(400);
     const std::uint64_t alarms =
         nights_with_alarm(1, nights, {.participants = participants, .worse = 0.03}, "nonlinear");
     say("same recordings, a method 3 % worse", alarms, nights);
@@ -66,7 +61,7 @@ TEST(Nights, SameRecordingsAndAMethodThreePercentWorseGiveOneAlways) {
 }
 
 TEST(Nights, OtherRecordingsOfTheSamePersonsGiveAnAlarmInOneOfAHundredAtMost) {
-  const std::uint64_t nights = nights_asked(10);
+  const std::uint64_t nights = trials(400);
   for (const std::size_t participants : {8, 16}) {
     const std::uint64_t alarms =
         nights_with_alarm(1, nights, {.participants = participants, .same_recordings = false});
@@ -76,7 +71,7 @@ TEST(Nights, OtherRecordingsOfTheSamePersonsGiveAnAlarmInOneOfAHundredAtMost) {
 }
 
 TEST(Nights, OtherRecordingsAndAMethodFifteenPercentWorseGiveOneInNinetyFiveOfAHundred) {
-  const std::uint64_t nights = nights_asked(10);
+  const std::uint64_t nights = trials(400);
   const std::uint64_t alarms =
       nights_with_alarm(2, nights, {.same_recordings = false, .worse = 0.15}, "nonlinear");
   say("16 persons, other recordings, a method 15 % worse", alarms, nights);

@@ -15,6 +15,7 @@
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
+#include "tests/support/trials.h"
 
 namespace trilat {
 namespace {
@@ -440,7 +441,7 @@ TEST(SoundTakes, AreHardlyEverNamed) {
       {});
   std::size_t takes = 0, named = 0;
   std::string all;
-  for (std::uint64_t k = 0; k < 20; ++k) {
+  for (std::uint64_t k = 0; k < trials(20); ++k) {
     SimulationSpec spec = walking_spec(10, k % 3 == 0 ? 4.0 : 8.0);
     spec.seed = 100 + k;
     spec.body_tracker = usual.body_tracker;
@@ -462,8 +463,8 @@ TEST(SoundTakes, AreHardlyEverNamed) {
     named += static_cast<std::size_t>(std::ranges::count(notes, '\n'));
     all += notes;
   }
-  EXPECT_EQ(takes, 200u);
-  EXPECT_LE(named, 2u) << all;
+  EXPECT_EQ(takes, 10 * trials(20));
+  EXPECT_LE(static_cast<double>(named) / static_cast<double>(takes), 0.01 + slack(0.01, takes)) << all;
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The one campaign that tests of the program read, and how they use the program.
 
-`python3 made.py FOLDER` makes it: simulation.json, study.json, campaign/ (4 participants, 2 activities, 8 s), results/ and report/."""
+`python3 made.py FOLDER` makes it: simulation.json, study.json, campaign/ (4 participants, 2 activities, 8 s), results/ and report/.
+`python3 made.py FOLDER reproduced` makes `trilat reproduce --scale quick`."""
+import glob
 import json
 import os
 import signal
@@ -21,12 +23,25 @@ STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "ta
 UNSETTLED = {"run.json", "hashes.json", "timings.json"}  # of the machine and of the time
 
 
-def made():
+def fixture(variable, make_it):
     """The folder of the fixture; where there is none, tests are run by hand and make one of their own."""
-    folder = Path(os.environ.get("TRILAT_MADE", Path(tempfile.gettempdir()) / f"trilat_made_{os.getuid()}"))
+    folder = Path(os.environ.get(variable, Path(tempfile.gettempdir()) / f"{variable.lower()}_{os.getuid()}"))
     if not (folder / "report").exists():
-        make(folder)
+        make_it(folder)
     return folder
+
+
+def made():
+    return fixture("TRILAT_MADE", make)
+
+
+def reproduced():
+    return fixture("TRILAT_REPRODUCED", reproduce)
+
+
+def reproduce(folder):
+    subprocess.run(["rm", "-rf", folder], check=True)
+    trilat("reproduce", "--scale", "quick", "-o", folder)
 
 
 def make(folder):
@@ -61,7 +76,7 @@ def trilat(*words, code=0, cwd=None, env=None):
 def stopped_with(items, output, *words, by):
     """Runs the program and stops it once so many items lie in its output; its exit code and what it said."""
     process = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    while process.poll() is None and len(list(Path(output).rglob("item.json"))) < items:
+    while process.poll() is None and len(glob.glob(f"{output}/**/item.json", recursive=True)) < items:
         time.sleep(0.002)
     process.send_signal(by)
     said, _ = process.communicate(timeout=600)
@@ -106,4 +121,4 @@ class ScratchTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    make(Path(sys.argv[1]))
+    (reproduce if "reproduced" in sys.argv else make)(Path(sys.argv[1]))

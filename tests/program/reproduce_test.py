@@ -8,11 +8,10 @@ import json
 import math
 import os
 import re
-import tempfile
 import unittest
 from pathlib import Path
 
-from made import SOURCE, trilat
+from made import SOURCE, reproduced
 
 REFERENCE = SOURCE / "tests/reference"
 ERRORS = ("answered", "mae_m", "rmse_m", "median_m", "p95_m", "max_m")
@@ -53,12 +52,7 @@ def alike(one, other):
 
 
 class Reproduce(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.holder.cleanup)
-        cls.out = Path(cls.holder.name) / "out"
-        trilat("reproduce", "--scale", "quick", "-o", cls.out)
+    out = reproduced()
 
     def test_everything_that_the_documents_name_is_in_the_report(self):
         made = {str(path.relative_to(root).with_suffix("")) for root in (self.out / "report/tables", self.out / "report/figures")
