@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/units.h"
 
 namespace trilat {
 namespace {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/files.h"
+#include "datasets/base/text_output.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {

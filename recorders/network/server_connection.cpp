@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/frame_source.h"
+#include "recorders/network/link/tls_link.h"
 #include "recorders/network/server_state.h"
 
 namespace trilat {

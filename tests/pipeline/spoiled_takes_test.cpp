@@ -319,6 +319,17 @@ TEST_P(SpoiledTakes, AreNamedWithSizeAndRemedy) {
 INSTANTIATE_TEST_SUITE_P(All, SpoiledTakes, testing::ValuesIn(all_spoiled()),
                          [](const auto& spoiled) { return spoiled.param.what; });
 
+TEST(SpoiledSensors, OfThreeTheMirroredOneIsNamedAndNoOther) {
+  const ScratchFolder folder;
+  SimulationSpec spec = recorded_spec();
+  spec.rig.heights_m.resize(3);
+  Recorded recorded{simulate_into(folder / "campaign", spec), folder.path()};
+  tracked(1, [](Eigen::Vector3f& point, std::size_t) { point.x() = -point.x(); })(recorded);
+  const std::string notes = notes_of(recorded.campaign, folder / "results");
+  expect_one_note(notes, {"k2 sees the person as in a mirror"});
+  EXPECT_THAT(notes, testing::Not(testing::ContainsRegex("(k1|k3) sees")));
+}
+
 class SpoiledPoses : public testing::TestWithParam<Spoiled> {};
 
 TEST_P(SpoiledPoses, AreNamedWithoutMotionCapture) {

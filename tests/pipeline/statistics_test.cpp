@@ -168,6 +168,28 @@ TEST(Statistics, BlocksOfASingleTakeAreItsClusters) {
   EXPECT_LT(cell->mae_low_m, cell->mae_m);
 }
 
+// In each condition the only take's blocks are the clusters, whatever number the take has in the campaign.
+TEST(Statistics, SeveralActivitiesOfOneParticipantHaveIntervalsEach) {
+  Evaluated evaluated;
+  SimulationSpec spec = walking_spec(1, 16.0);
+  spec.activities.push_back(spec.activities[0]);
+  spec.activities[1].activity = Activity::arm_swing;
+  spec.activities[1].duration_s = 11.0;
+  const ResultsSummary summary = evaluated.of(spec, statistics_study(R"("alignments": ["mean"])"));
+  for (const auto& [condition, clusters] : {std::pair{"walking", 4u}, std::pair{"arm_swing", 3u}})
+    for (const char* group : {"head", "wrist", kAverageGroup}) {
+      const SummaryCell* cell = find_cell(summary, "mean", condition, group, "mean");
+      ASSERT_TRUE(cell) << condition;
+      EXPECT_EQ(cell->clusters, clusters) << condition;
+      EXPECT_LT(cell->mae_low_m, cell->mae_m);
+      EXPECT_GT(cell->mae_high_m, cell->mae_m);
+      EXPECT_LT(cell->mae_high_m, 1.0);
+      const DifferenceCell* d = find_difference(summary, "single k1", condition, group, "mean");
+      ASSERT_TRUE(d);
+      EXPECT_TRUE(std::isfinite(d->low_m) && std::isfinite(d->high_m)) << condition;
+    }
+}
+
 TEST(Statistics, ATakeThatFailedIsNoParticipant) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "campaign", walking_spec(5));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <functional>
+#include <map>
 #include <mutex>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -61,7 +63,14 @@ TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
       {"mocap", [&](Campaign& c) { c.takes[0].mocap = copied(c.takes[0].mocap); }},
       {"mapping", [&](Campaign& c) { c.takes[0].mapping = copied(c.takes[0].mapping); }},
       {"mocap_start_host_ns", [](Campaign& c) { ++c.takes[0].mocap_start_host_ns; }},
-      {"up_axis", [](Campaign& c) { c.takes[0].up_axis = UpAxis::z; }}};
+      {"up_axis", [](Campaign& c) { c.takes[0].up_axis = UpAxis::z; }},
+      {"joints/method", [](Campaign& c) { c.takes[0].joints[0].method += "x"; }},
+      {"joints/file", [&](Campaign& c) { c.takes[0].joints[0].file = copied(c.takes[0].joints[0].file); }},
+      {"joints/mapping name", [](Campaign& c) { c.takes[0].joints[0].mapping[0].name = "wrist_left"; }},
+      {"joints/mapping assets", [](Campaign& c) { c.takes[0].joints[0].mapping[0].assets.push_back("two"); }},
+      {"joints/clock", [](Campaign& c) { c.takes[0].joints[0].clock_by_motion = true; }}};
+  write_file(work.folder / "mine.csv", "time_s,joint,x_m,y_m,z_m\n0,one,1,2,3\n");
+  work.campaign.takes[0].joints = {{"mine", work.folder / "mine.csv", {{"head", {"one"}}}}};
   const auto key_of = [&](const Campaign& campaign) {
     const Study study = accuracy_study(work.study, campaign, false, std::make_shared<HashCache>(), {});
     std::string keys;
@@ -75,6 +84,45 @@ TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
     change(campaign);
     EXPECT_NE(key_of(campaign), key) << field;
   }
+}
+
+// A setting that is added to a study has to be named in one of the lists.
+TEST(Reuse, EverySettingThatDecidesSamplesIsInTheKeyAndNoOther) {
+  const Divided work(1, false);
+  const std::map<std::string, std::string> deciding{
+      {"sensors", R"(["k1", "k2"])"},
+      {"joints", R"(["head"])"},
+      {"truth", R"("left_out_sensor")"},
+      {"rate_hz", "15"},
+      {"sensor_gap_s", "0.2"},
+      {"truth_gap_s", "0.1"},
+      {"clock", R"("motion")"},
+      {"clock_search_s", "1"},
+      {"repair_exchanges", "false"},
+      {"clock_error_s", "0.01"},
+      {"methods", R"([{"method": "nonlinear", "max_iterations": 7}])"}};
+  const std::map<std::string, std::string> others{
+      {"name", R"("another")"},       {"conditions", R"(["walking", "arm_swing"])"},
+      {"occluded_apart", "true"},     {"reference", R"("nonlinear")"},
+      {"alignments", R"(["rigid"])"}, {"training_share", "0.3"},
+      {"cross_check_limit_m", "1e-5"}};
+  const auto keys_of = [&](const std::string& key, const std::string& value) {
+    Json json = parse_json(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "test",
+                               "methods": [{"method": "nonlinear"}]})",
+                           "study");
+    if (!key.empty()) json[key] = parse_json(value, key);
+    const Study study = accuracy_study(parse_study(json, "study", {}), work.campaign, false,
+                                       std::make_shared<HashCache>(), {});
+    std::string keys;
+    for (const Item& item : study.items) keys += item.key({}) + " ";
+    return keys;
+  };
+  const std::string plain = keys_of("", "");
+  for (const auto& [key, value] : deciding) EXPECT_NE(keys_of(key, value), plain) << key;
+  for (const auto& [key, value] : others) EXPECT_EQ(keys_of(key, value), plain) << key;
+  const std::set<std::string> heads{"format", "version", "kind", "campaign"};
+  for (const auto& [key, value] : resolved_json(work.study).items())
+    EXPECT_TRUE(deciding.contains(key) || others.contains(key) || heads.contains(key)) << key;
 }
 
 TEST(Reuse, WhatDecidesTheClockDecidesTheTake) {

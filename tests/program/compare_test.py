@@ -92,7 +92,8 @@ class Compare(ScratchTest):
     def test_what_is_wrong_with_a_file_is_named_with_its_size(self):
         still = lambda at, key: at
         wrong = {
-            "late.csv": (still, self.time_s + 0.3, "starts about 0.30 s later|starts 0.3\\d+ s .* later"),
+            "late.csv": (still, self.time_s + 0.3, "starts (about )?0.30* s (\\S+ )*later"),
+            "early.csv": (still, self.time_s - 0.3, "starts (about )?0.30* s (\\S+ )*earlier"),
             "slow.csv": (still, 2 * self.time_s, "runs 0.5 times as fast as the truth"),
             "thousand.csv": (lambda at, key: at * 0.001, None, "lies 0.001 times as far apart"),
             "axes.csv": (lambda at, key: at[:, [0, 2, 1]], None, "has other axes than the truth: read as \\(x, z, y\\)"),

@@ -123,6 +123,44 @@ class DoorTest(unittest.TestCase):
         chosen = (columns["method"] == "mean") & np.isin(columns["joint"], ["wrist_left", "wrist_right"])
         self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), cell["mae_m"], 7)
 
+    def test_errors_under_every_alignment_are_those_of_the_tables(self):
+        for alignment in ("none", "first", "mean", "rigid", "held_out", "joint_offset"):
+            with self.subTest(alignment):
+                (self.folder / "aligned.json").write_text(json.dumps({**STUDY, "alignments": [alignment]}))
+                results = trilat.run(self.folder / "aligned.json", campaign=self.folder / "camp", output=self.folder / "aligned")
+                columns = results.columns()
+                checked = 0
+                for cell in results.summary["cells"]:
+                    chosen = (columns["method"] == cell["method"]) & np.isin(columns["joint"], [cell["group"], f"{cell['group']}_left",
+                                                                                                f"{cell['group']}_right"])
+                    if cell["group"] == "average":
+                        continue
+                    self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), cell["mae_m"], 7)
+                    checked += 1
+                self.assertGreater(checked, 5)
+
+    def test_joints_are_written_as_they_are_or_refused(self):
+        time_s, at_m = np.arange(5) / 30, {"head": np.arange(15.0).reshape(5, 3) / 7}
+        at_m["head"][2] = np.nan
+        trilat.write_joints(self.folder / "mine.csv", time_s, at_m)
+        rows = list(csv.DictReader((self.folder / "mine.csv").open()))
+        self.assertEqual([float(row["time_s"]) for row in rows], time_s.tolist())
+        self.assertEqual([row["x_m"] for row in rows][:3], ["0.0", repr(3 / 7), ""])
+        trilat.write_joints(self.folder / "mine.trc", time_s, at_m)
+        lines = (self.folder / "mine.trc").read_text().splitlines()
+        self.assertEqual(lines[2].split("\t")[:5], ["30.000000", "30.000000", "5", "1", "mm"])
+        self.assertEqual(lines[7].split("\t"), ["2", "0.033333", "428.571429", "571.428571", "714.285714"])
+        self.assertEqual(lines[8].split("\t"), ["3", "0.066667", "", "", ""])
+        with_hole = np.delete(np.arange(6), 3) / 30
+        for name, times, joints, problem in (
+                ("a.trc", with_hole, at_m, "a TRC needs times at a fixed rate"), ("a.csv", time_s[::-1], at_m, "rising times"),
+                ("a.csv", time_s[:0], {}, "rising times"), ("a.csv", time_s[:4], at_m, r"head has the shape \(5, 3\)"),
+                ("a.csv", time_s, {"a,b": at_m["head"]}, "without commas"), ("a.csv", time_s, {}, "no joints"), ("a.txt", time_s, at_m, "must end in")):
+            with self.subTest(problem), self.assertRaisesRegex(trilat.InputError, problem):
+                trilat.write_joints(self.folder / name, times, joints)
+            self.assertFalse((self.folder / name).exists())
+        trilat.write_joints(self.folder / "hole.csv", with_hole, at_m)
+
     @unittest.skipIf(missing("pandas"), "pandas is not installed (Debian: python3-pandas)")
     def test_sums_of_the_table_of_errors_are_the_numbers_of_the_tables(self):
         errors = self.results.errors()

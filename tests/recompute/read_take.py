@@ -205,7 +205,8 @@ def truth_at(take_folder, mocap, mapping, joints, time_ns, longest_gap_ns):
         point_m = known_m[a] + share[:, None] * (known_m[b] - known_m[a])
         return np.where((on_frame | inside)[:, None], point_m, np.nan)
 
-    return np.stack([np.mean([marker_at(name) for name in of_joint[joint]], axis=0) for joint in joints], axis=1)
+    return np.stack([np.mean([marker_at(name) for name in of_joint[joint]], axis=0) if joint in of_joint
+                     else np.full((len(time_ns), 3), np.nan) for joint in joints], axis=1)
 
 
 class TakeAtInstants:

@@ -26,7 +26,7 @@ SAME_RATIO = 1e-6  # of numbers that are stored in single precision
 BIN_M = 1e-3  # quantiles are of histograms
 QUANTILES = ("p05_m", "p25_m", "median_m", "p75_m", "p90_m", "p95_m")
 SENSORS = ["k1", "k2", "k3", "k4"]
-ALIGNMENTS = ["mean", "none", "first", "rigid"]
+ALIGNMENTS = ["mean", "none", "first", "rigid", "held_out", "joint_offset"]
 REFERENCE = "nonlinear"
 
 # Heights that differ much, and 12 s, after which a clock's drift is known; the tracker's model on a rig that is nearly
@@ -35,7 +35,13 @@ SHORT = {"activities": [{"name": "walking", "duration_s": 6}], "body_tracker": {
 SIMULATIONS = {
     "high and low": {"activities": [{"name": "walking", "duration_s": 12}]},
     "nearly flat": {**SHORT, "rig": {"heights_m": [1.39, 1.41, 1.395, 1.405]}},
-    "in between": {**SHORT, "rig": {"heights_m": [1.3, 1.5, 1.35, 1.4]}}}
+    "in between": {**SHORT, "rig": {"heights_m": [1.3, 1.5, 1.35, 1.4]}},
+    # A person whose intervals are between blocks of time, seen by three sensors; arms and legs have markers in turn.
+    "one person": {"activities": [{"name": "arm_swing", "duration_s": 12}, {"name": "leg_crossing", "duration_s": 16}], "participants": 1,
+                   "body_tracker": {}, "rig": {"heights_m": [0.6, 2.2, 0.9]}},
+    "one take": {"activities": [{"name": "walking", "duration_s": 11}], "participants": 1, "body_tracker": {},
+                 "rig": {"heights_m": [0.6, 2.2, 0.9]}}}
+OF_THREE_SENSORS = ("nonlinear", "mean", "median", "geometric")
 
 # Each method's entry in the study and how it is computed again: solver, sensors, settings.
 METHODS = {
@@ -92,10 +98,12 @@ class Samples:
         group = file["samples/0"]
         self.joints, self.methods = (list(file.attrs[name].astype(str)) for name in ("joints", "methods"))
         names = np.array(file.attrs["status_names"].astype(str), object)
-        for name in ("time_ns", "truth_m", "ranges", "occluded", "estimate_m", "iterations", "cost_m2",
+        for name in ("time_ns", "heading_rad", "truth_m", "ranges", "occluded", "estimate_m", "iterations", "cost_m2",
                      "gdop"):
             setattr(self, name, group[name][:])
+        self.condition = np.char.decode(file.attrs["condition"]).item()
         self.status = names[group["status"][:]]
+        self.usable = np.isin(self.status, solve.ANSWERS)
         self.asked = np.isfinite(self.truth_m[:, :, 0])
         self.answered = np.isin(self.status, solve.ANSWERS) & self.asked[:, :, None]
 
@@ -103,7 +111,7 @@ class Samples:
 def sensors_used(take, name):
     """Instants x joints x sensors: those that see the joint, and that the method takes."""
     entry, _, sensors, _ = METHODS[name]
-    used = (take.state > 0) & np.isin(take.sensors, sensors)
+    used = (take.state > 0) & np.isin(take.sensors, sensors)  # of those that the campaign has
     if "occlusion" not in entry:
         return used
     count = np.where(used, take.crossings[entry["occlusion"]] + (take.state == 1), 10**6)
@@ -174,30 +182,69 @@ def compare_tables(takes, summary):
     """Every cell and difference of summary.json, of all samples and of those that a sensor sees occluded."""
     cells = {(c["condition"], c["method"], c["alignment"], c["group"]): c for c in summary["cells"]}
     differences = {(d["condition"], d["method"], d["alignment"], d["group"]): d for d in summary["differences"]}
-    for m, name in enumerate(takes[0].methods):
-        for alignment in ALIGNMENTS:
-            compare_method(takes, m, name, alignment, cells, differences)
+    conditions = list(dict.fromkeys(s.condition for s in takes))
+    for condition in conditions:
+        of_condition = [s for s in takes if s.condition == condition]
+        for m, name in enumerate(takes[0].methods):
+            for alignment in ALIGNMENTS:
+                compare_method(of_condition, condition, m, name, alignment, cells, differences)
     if cells or differences:
         raise Different(f"summary.json also has {[*cells, *differences]}")
 
 
-def compare_method(takes, m, name, alignment, cells, differences):
+def compare_method(takes, condition, m, name, alignment, cells, differences):
     """Takes what it has compared out of `cells` and `differences`."""
     groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
     errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
     pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
-    for condition, parts in (("walking", [s.asked for s in takes]),
-                             ("walking, occluded", [s.asked & (s.occluded > 0) for s in takes])):
+    asked = [s.asked & tables.in_test_part(s, alignment) for s in takes]
+    for condition, parts in ((condition, asked), (f"{condition}, occluded", [a & (s.occluded > 0) for a, s in zip(asked, takes)])):
         computed = {g: tables.cell_of(takes, m, joints, errors_m, parts) for g, joints in groups.items()}
         computed = {g: cell for g, cell in computed.items() if cell["asked"] > 0}
         against = tables.differences_of(pairs, {g: groups[g] for g in computed}, parts)
         computed["average"] = tables.average_of(computed.values())
         for group, numbers in computed.items():
-            where = f"{condition}, alignment {alignment}, group {group}"
-            compare_numbers(f"{name}, {where}", numbers, cells.pop((condition, name, alignment, group)))
+            where, cell = f"{condition}, alignment {alignment}, group {group}", cells.pop((condition, name, alignment, group))
+            compare_numbers(f"{name}, {where}", numbers, cell)
+            if cell["clusters"] > 1 and len(takes) == 1 and group != "average" and parts is asked:
+                numbers = dict(zip(("mae_low_m", "mae_high_m", "clusters"), tables.interval_of_blocks(takes[0], m, groups[group], alignment)))
+                compare_interval(f"{name}, {where}", {**numbers, "mae_low_m": max(0.0, numbers["mae_low_m"])}, cell)
             if m != reference:
                 compare_numbers(f"{name} - {REFERENCE}, {where}", against[group],
                                 differences.pop((condition, name, alignment, group)))
+
+
+def compare_interval(where, numbers, cell):
+    for key, value in numbers.items():
+        require_same(lambda: f"{key} of {where}", np.asarray(value), np.asarray(cell[key]), 1e-5 * max(1.0, value))
+
+
+def compare_bodies(takes, summary):
+    for cell in summary["bodies"]:
+        if not cell["condition"].endswith("occluded"):
+            numbers = tables.bodies_of([s for s in takes if s.condition == cell["condition"]], takes[0].methods.index(cell["method"]))
+            for key, value in numbers.items():
+                written = np.array(cell[key], float)
+                require_same(lambda at=0: f"{key} of bodies of {cell['method']}, {cell['condition']}", np.asarray(value, float), written,
+                             SAME_RATIO * max(1.0, np.nanmax(np.abs(np.append(written, 0.0)))))
+
+
+def compare_angles(takes, shown):
+    """The tables of angles, in degrees; of each take there is one of each."""
+    seen = 0
+    for table in shown["tables"]:
+        if table["id"].startswith("angles-"):
+            keys = [column["key"] for column in table["columns"]]
+            for row in ({key: cell.get("text", cell.get("number")) for key, cell in zip(keys, cells)} for cells in table["rows"]):
+                (s,) = [s for s in takes if s.condition == table["id"].removeprefix("angles-")]
+                error, estimate, truth = tables.angles_of(s, s.methods.index(row["method"]), tables.ANGLES[row["angle"]])
+                numbers = {"mae_deg": np.abs(error).mean(), "rmse_deg": np.sqrt((error**2).mean()), "bias_deg": error.mean(),
+                           "range_of_motion_deg": np.ptp(estimate), "truth_range_of_motion_deg": np.ptp(truth), "n": len(error),
+                           "lower_limit_deg": error.mean() - 1.96 * np.std(error, ddof=1)}
+                for key, value in numbers.items():
+                    require_same(lambda: f"{key} of {row['angle']} of {row['method']}, {s.condition}", np.asarray(value), np.asarray(row[key]), 2e-3)
+                seen += 1
+    return seen
 
 
 def compare_rows_of_takes(takes, ids, summary, error_m):
@@ -211,7 +258,7 @@ def compare_rows_of_takes(takes, ids, summary, error_m):
             errors_m = tables.errors_of(s, m, ALIGNMENTS[0], s.answered[:, :, m])
             require_same(lambda i=0, j=0, axis=0: f"error_m of {name}, take {take}, instant {i}, joint {s.joints[j]}",
                          errors_m, given[:, :, m], SAME_M)
-            for condition, part in (("walking", s.asked), ("walking, occluded", s.asked & (s.occluded > 0))):
+            for condition, part in ((s.condition, s.asked), (f"{s.condition}, occluded", s.asked & (s.occluded > 0))):
                 for j in np.flatnonzero(part.any(axis=0)):
                     row = rows.pop((take, condition, name, s.joints[j]))
                     compare_row(f"{name}, {condition}, take {take}, joint {s.joints[j]}", row, part[:, j],
@@ -228,17 +275,18 @@ class Results:
     """A campaign, simulated and evaluated by the program, and its takes as the raw files have them."""
 
     def __init__(self, folder, name):
-        simulation = {"format": "trilat.simulation", "version": 1, "name": name, "seed": 7, "participants": 2}
+        simulation = {"format": "trilat.simulation", "version": 1, "name": name, "seed": 7, "participants": 2, **SIMULATIONS[name]}
+        three = len(simulation.get("rig", {}).get("heights_m", SENSORS)) == 3
         study = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": name, "alignments": ALIGNMENTS,
                  "reference": REFERENCE, "clock": "stated", "repair_exchanges": False,
                  "occluded_apart": True,
-                 "methods": [{"name": method, **entry[0]} for method, entry in METHODS.items()]}
-        (folder / f"{name}_simulation.json").write_text(json.dumps({**simulation, **SIMULATIONS[name]}))
+                 "methods": [{"name": method, **entry[0]} for method, entry in METHODS.items() if not three or method in OF_THREE_SENSORS]}
+        (folder / f"{name}_simulation.json").write_text(json.dumps(simulation))
         (folder / f"{name}_study.json").write_text(json.dumps(study))
         run_program("simulate", folder / f"{name}_simulation.json", "-o", folder / name)
         results = folder / f"{name}_results"
         run_program("run", folder / f"{name}_study.json", "--campaign", folder / name, "-o", results)
-        self.summary = json.loads((results / "summary.json").read_text())
+        self.summary, self.shown = (json.loads((results / file).read_text()) for file in ("summary.json", "tables.json"))
         manifest = json.loads((results / "manifest.json").read_text())
         items = [results / "items" / manifest["items"]["takes/" + take["id"]] for take in manifest["takes"]]
         self.samples = []
@@ -246,7 +294,8 @@ class Results:
             with h5py.File(item / "take.h5") as file:
                 self.samples.append(Samples(file))
         entries = json.loads((folder / name / "campaign.json").read_text())["takes"]
-        self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS) for e in entries]
+        self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS[:3] if three else SENSORS)
+                      for e in entries]
         columns = trilat.results(results).columns()
         self.error_m = np.stack([columns[f"error_{axis}_m"] for axis in "xyz"], axis=1)
 
@@ -255,6 +304,7 @@ class Results:
             compare_take(take, samples)
         compare_rows_of_takes(self.samples, [take.id for take in self.takes], self.summary, self.error_m)
         compare_tables(self.samples, self.summary)
+        compare_bodies(self.samples, self.summary)
 
 
 class Recompute(unittest.TestCase):
@@ -267,6 +317,10 @@ class Recompute(unittest.TestCase):
         for name, results in self.results.items():
             with self.subTest(campaign=name):
                 results.compare()
+
+    def test_angles_follow_from_the_samples(self):
+        seen = {name: compare_angles(self.results[name].samples, self.results[name].shown) for name in ("one person", "one take")}
+        self.assertEqual(seen, {"one person": 8, "one take": 4})
 
     def test_every_kind_of_answer_is_among_the_samples(self):
         found = set().union(*(s.status.ravel() for results in self.results.values() for s in results.samples))

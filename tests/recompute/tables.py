@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Errors and tables of a study from its samples: a second implementation, written from FORMATS.md.
 
-`takes` are samples with truth_m, estimate_m, gdop, asked and answered, arrays instants x joints x methods.
+`takes` are samples with truth_m, estimate_m, heading_rad, asked and answered, arrays instants x joints x methods.
 """
 import collections
+import math
 
 import numpy as np
+
+from solve import ANSWERS
 
 
 def rigid(estimate_m, truth_m):
@@ -16,6 +19,34 @@ def rigid(estimate_m, truth_m):
     return lambda points_m: (points_m - centre_m) @ turn.T + truth_centre_m
 
 
+TRAINED = ("held_out", "joint_offset")
+TRAINING_SHARE = 0.5
+
+
+def in_test_part(samples, alignment):
+    """Instants x 1: those that the alignment does not learn from, half rounded away from zero."""
+    instants = len(samples.time_ns)
+    return (np.arange(instants) >= (math.floor(TRAINING_SHARE * instants + 0.5) if alignment in TRAINED else 0))[:, None]
+
+
+def turned(vectors_m, heading_rad):
+    """Vectors of a body that faces that way, from +z towards +x, in the world."""
+    cos, sin = np.cos(heading_rad), np.sin(heading_rad)
+    x, y, z = np.moveaxis(vectors_m, -1, 0)
+    return np.stack([cos * x + sin * z, np.broadcast_to(y, x.shape), cos * z - sin * x], axis=-1)
+
+
+def without_offset(errors_m, samples):
+    """Less the mean error in the body's own frame of the training part, and that part as NaN."""
+    heading_rad, test = samples.heading_rad.astype(float), in_test_part(samples, "joint_offset")
+    in_body_m = np.stack([turned(errors_m[:, j], -heading_rad) for j in range(errors_m.shape[1])], axis=1)
+    learnt = np.where((~test & np.isfinite(heading_rad)[:, None])[:, :, None], in_body_m, np.nan)
+    count = np.isfinite(learnt).sum(axis=0)
+    offset_m = np.nansum(learnt, axis=0) / np.where(count == 0, np.nan, count)
+    left_m = [errors_m[:, j] - turned(np.broadcast_to(offset_m[j], (len(heading_rad), 3)), heading_rad) for j in range(errors_m.shape[1])]
+    return np.where(test[:, :, None], np.stack(left_m, axis=1), np.nan)
+
+
 def errors_of(samples, m, alignment, chosen):
     """estimate - truth (instants x joints x 3) of the `chosen` samples, aligned on these; NaN elsewhere."""
     estimate_m = np.where(chosen[:, :, None], samples.estimate_m[:, :, m], np.nan)
@@ -23,6 +54,10 @@ def errors_of(samples, m, alignment, chosen):
     if alignment == "rigid" and chosen.any():
         return rigid(estimate_m[chosen], truth_m[chosen])(estimate_m) - truth_m
     errors_m = estimate_m - truth_m
+    if alignment == "joint_offset":
+        return without_offset(errors_m, samples)
+    if alignment == "held_out":
+        return np.where(in_test_part(samples, alignment)[:, :, None], errors_m, np.nan)
     for j in np.flatnonzero(chosen.any(axis=0)):
         if alignment == "first":
             errors_m[:, j] -= errors_m[np.flatnonzero(chosen[:, j])[0], j]
@@ -48,7 +83,7 @@ def mean_of(values):
 
 def cell_of(takes, m, joints, errors_m, parts):
     """The numbers of one cell, of the samples in `parts`. Quantiles are of type 7 of Hyndman and Fan."""
-    counted = [(s.answered[:, :, m] & part)[:, joints] for s, part in zip(takes, parts)]
+    counted = [(s.answered[:, :, m] & part & np.isfinite(e[:, :, 0]))[:, joints] for s, part, e in zip(takes, parts, errors_m)]
     length_m = np.concatenate([np.linalg.norm(e[:, joints][c], axis=1) for e, c in zip(errors_m, counted)])
     asked = int(sum(part[:, joints].sum() for part in parts))
     quantiles_m = np.quantile(length_m, [0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0]) if len(length_m) else 7 * [np.nan]
@@ -62,6 +97,91 @@ def average_of(cells):
     asked, answered = sum(c["asked"] for c in cells), sum(c["answered"] for c in cells)
     return {"asked": asked, "answered": answered, "coverage": answered / asked,
             "mae_m": np.mean([c["mae_m"] for c in cells])}
+
+
+BONES = [(f"{a}_{side}", f"{b}_{side}") for side in ("left", "right")
+         for a, b in (("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle"))]
+
+
+def similar(estimate_m, truth_m):
+    """Mean distance after rotation, translation and scale of least squares (Umeyama 1991); NaN of points on a line."""
+    x, y = estimate_m - estimate_m.mean(axis=0), truth_m - truth_m.mean(axis=0)
+    if len(x) < 3 or any((s := np.linalg.svd(points, compute_uv=False))[1] <= 1e-6 * s[0] for points in (x, y)):
+        return np.nan
+    u, d, vt = np.linalg.svd(y.T @ x)
+    signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
+    scale = (d * signs).sum() / (x**2).sum()
+    return np.linalg.norm(scale * x @ (u @ np.diag(signs) @ vt).T - y, axis=1).mean()
+
+
+def jerks_m_s3(points_m, known, rate_hz=30.0):
+    """Lengths of the third difference of four points in a row, by the second of them."""
+    four = known[:-3] & known[1:-2] & known[2:-1] & known[3:]
+    third = points_m[3:] - 3 * points_m[2:-1] + 3 * points_m[1:-2] - points_m[:-3]
+    return np.linalg.norm(third, axis=-1) * rate_hz**3, four
+
+
+def bodies_of(takes, m, alignment="none"):
+    """The numbers of whole bodies: at instants at which every joint that has a truth is answered."""
+    mpjpe_m, pa_mpjpe_m, near, spreads_m, jerks, truth_jerks = [], [], [], [], [], []
+    for s in takes:
+        errors_m = np.linalg.norm(errors_of(s, m, alignment, s.answered[:, :, m]), axis=2)
+        near.append(np.array([np.where(s.answered[:, :, m], errors_m < limit, False)[s.asked] for limit in (0.05, 0.10, 0.15)]))
+        for i in np.flatnonzero(s.asked.any(axis=1) & (s.answered[:, :, m] | ~s.asked).all(axis=1)):
+            mpjpe_m.append(errors_m[i, s.asked[i]].mean())
+            pa_mpjpe_m.append(similar(s.estimate_m[i, s.asked[i], m], s.truth_m[i, s.asked[i]]))
+        for a, b in BONES:
+            if a in s.joints and b in s.joints:
+                j, k = s.joints.index(a), s.joints.index(b)
+                both = s.answered[:, j, m] & s.answered[:, k, m]
+                if both.sum() > 1:
+                    spreads_m.append(np.std(np.linalg.norm(s.estimate_m[both, j, m] - s.estimate_m[both, k, m], axis=1), ddof=1))
+        for j in range(len(s.joints)):
+            usable = np.isin(s.status[:, j, m], ANSWERS)
+            lengths, four = jerks_m_s3(s.estimate_m[:, j, m], usable)
+            jerks += list(lengths[four & s.asked[1:-2, j]])
+            lengths, four = jerks_m_s3(s.truth_m[:, j], s.asked[:, j])
+            truth_jerks += list(lengths[four])
+    return {"instants": len(mpjpe_m), "mpjpe_m": mean_of(mpjpe_m), "pa_mpjpe_m": mean_of([x for x in pa_mpjpe_m if np.isfinite(x)]),
+            "pck_5cm_10cm_15cm": list(np.concatenate(near, axis=1).mean(axis=1)), "bone_length_sd_m": mean_of(spreads_m),
+            "jitter_m_s3": mean_of(jerks), "truth_jitter_m_s3": mean_of(truth_jerks)}
+
+
+STUDENT = {1: 12.7062, 2: 4.30265, 3: 3.18245, 4: 2.77645}  # 97.5 % quantiles by degrees of freedom
+
+
+def interval_of_blocks(s, m, joints, alignment, rate_hz=30):
+    """95 % interval of the mean error of a single take, whose blocks of five seconds are the clusters; and their number."""
+    errors_m = np.linalg.norm(errors_of(s, m, alignment, s.answered[:, :, m]), axis=2)
+    block = np.arange(len(errors_m)) // max(5 * rate_hz, -(-len(errors_m) // 12))
+    sums, counts = (np.array([part(errors_m[block == b][:, joints]) for b in range(block[-1] + 1)])
+                    for part in (np.nansum, lambda part_m: np.isfinite(part_m).sum()))
+    clusters, mean_m = int((counts > 0).sum()), sums.sum() / counts.sum()
+    error_m = np.sqrt(clusters / (clusters - 1) * (((sums - mean_m * counts) / counts.sum())**2).sum())
+    return mean_m - STUDENT[clusters - 1] * error_m, mean_m + STUDENT[clusters - 1] * error_m, clusters
+
+
+ANGLES = {f"{joint} flexion": (above, joint, below)
+          for above, joint, below in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist"), ("shoulder", "hip", "knee"))}
+
+
+def angles_of(s, m, names):
+    """Left and right, in degrees: the angle's errors at the instants at which truth and estimate have it, and both themselves."""
+    truths, estimates = [], []
+    for side in ("left", "right"):
+        j = [s.joints.index(f"{name}_{side}") for name in names]
+        truth, estimate = (flexion_deg(points[:, j]) for points in (s.truth_m, np.where(s.usable[:, :, m, None], s.estimate_m[:, :, m], np.nan)))
+        both = np.isfinite(truth) & np.isfinite(estimate)
+        truths.append(truth[both])
+        estimates.append(estimate[both])
+    truth, estimate = np.concatenate(truths), np.concatenate(estimates)
+    return estimate - truth, estimate, truth
+
+
+def flexion_deg(points_m):
+    up_m, down_m = points_m[:, 0] - points_m[:, 1], points_m[:, 2] - points_m[:, 1]
+    cosine = (up_m * down_m).sum(axis=1) / np.linalg.norm(up_m, axis=1) / np.linalg.norm(down_m, axis=1)
+    return 180.0 - np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def lengths_on_both(samples, m, reference, alignment):

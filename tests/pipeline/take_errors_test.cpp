@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: MIT
+// The errors of a take whose numbers are chosen: what each row sums can be added up by hand.
+#include "pipeline/errors/take_errors.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "evaluators/solvers/point_estimate.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using Eigen::Vector3d;
+using testing::DoubleNear;
+using testing::ElementsAre;
+
+constexpr double kMadeRate_hz = 30.0;
+const Vector3d kError_m(0.03, 0.0, -0.04);  // 5 cm long
+
+// Two joints that are the ends of a bone, and as many methods as wanted. Without more, each answers with the
+// truth.
+struct MadeTake {
+  TakeHead head;
+  SampleBlock block;
+
+  explicit MadeTake(std::uint64_t instants, std::size_t methods = 1) {
+    head = {"t", "walking", instants, {"shoulder_left", "elbow_left"}, {}, {"mocap"}, {}};
+    for (std::size_t m = 0; m < methods; ++m) head.methods.push_back("method " + std::to_string(m));
+    for (int s = 0; s < kSolveStatusCount; ++s)
+      head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
+    block.reset(0, instants, head.joints.size(), methods);
+    for (std::uint64_t i = 0; i < instants; ++i) {
+      block.time_ns[i] = static_cast<std::int64_t>(1e9 * static_cast<double>(i) / kMadeRate_hz);
+      block.heading_rad[i] = 0.0F;
+      for (std::size_t j = 0; j < 2; ++j) {
+        set_truth(i, j, Vector3d(0.01 * static_cast<double>(i), 1.5 - 0.3 * static_cast<double>(j), 2.0));
+        for (std::size_t m = 0; m < methods; ++m) answer(i, j, m, truth_m(i, j));
+      }
+    }
+  }
+  std::size_t place(std::uint64_t i, std::size_t j) const { return i * 2 + j; }
+  std::size_t slot(std::uint64_t i, std::size_t j, std::size_t m) const {
+    return place(i, j) * head.methods.size() + m;
+  }
+  Vector3d truth_m(std::uint64_t i, std::size_t j) const {
+    return Eigen::Map<const Vector3d>(&block.truth_m[3 * place(i, j)]);
+  }
+  void set_truth(std::uint64_t i, std::size_t j, const Vector3d& at_m) {
+    Eigen::Map<Vector3d>(&block.truth_m[3 * place(i, j)]) = at_m;
+  }
+  void answer(std::uint64_t i, std::size_t j, std::size_t m, const Vector3d& at_m,
+              SolveStatus status = SolveStatus::converged) {
+    Eigen::Map<Vector3d>(&block.estimate_m[3 * slot(i, j, m)]) = at_m;
+    block.status[slot(i, j, m)] = static_cast<std::uint8_t>(status);
+  }
+  void miss(std::uint64_t i, std::size_t j, std::size_t m) {
+    answer(i, j, m, Vector3d::Constant(std::nan("")), SolveStatus::diverged);
+  }
+  void each(const std::function<void(std::uint64_t i, std::size_t j)>& visit) {
+    for (std::uint64_t i = 0; i < head.instants; ++i)
+      for (std::size_t j = 0; j < 2; ++j) visit(i, j);
+  }
+  ErrorTable errors(const ErrorSettings& settings) const {
+    const ScratchFolder folder;
+    StoredTake take = StoredTake::create(folder / StoredTake::kName, head);
+    take.write(0, block);
+    take.finish();
+    return errors_of(StoredTake::open(folder / StoredTake::kName), settings);
+  }
+};
+
+ErrorSettings under(std::vector<AlignmentKind> alignments, double training_share = 0.0) {
+  ErrorSettings settings;
+  settings.alignments = std::move(alignments);
+  settings.training_share = training_share;
+  settings.rate_hz = kMadeRate_hz;
+  return settings;
+}
+
+// The row of a joint, method and alignment, summed over the blocks of time.
+ErrorRow summed(const ErrorTable& table, std::uint32_t joint, std::uint32_t method = 0,
+                std::uint32_t alignment = 0, Subset subset = Subset::all) {
+  ErrorRow sum;
+  for (const ErrorRow& row : table.errors) {
+    if (row.quantity != joint || row.method != method || row.alignment != alignment ||
+        row.subset != static_cast<std::uint32_t>(subset))
+      continue;
+    sum.answered += row.answered;
+    for (std::size_t s = 0; s < kMostStatuses; ++s) sum.statuses[s] += row.statuses[s];
+    sum.length_m += row.length_m;
+    sum.length_m2 += row.length_m2;
+    sum.largest_m = std::max(sum.largest_m, row.largest_m);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      sum.error_m[axis] += row.error_m[axis];
+      sum.error_m2[axis] += row.error_m2[axis];
+      sum.absolute_m[axis] += row.absolute_m[axis];
+    }
+  }
+  return sum;
+}
+
+TEST(TakeErrors, AreSumsOverWhatIsAskedAndAnswered) {
+  MadeTake made(40);
+  for (std::uint64_t i = 0; i < 40; ++i)
+    made.answer(i, 0, 0, made.truth_m(i, 0) + (i == 7 ? 3.0 : 1.0) * kError_m);
+  for (const std::uint64_t i : {3, 4, 5}) made.miss(i, 0, 0);
+  for (const std::uint64_t i : {20, 21}) made.set_truth(i, 0, Vector3d::Constant(std::nan("")));
+  const ErrorRow row = summed(made.errors(under({AlignmentKind::none})), 0);
+  EXPECT_EQ(row.asked(), 38u);
+  EXPECT_EQ(row.answered, 35u);
+  EXPECT_EQ(row.statuses[static_cast<std::size_t>(SolveStatus::converged)], 35u);
+  EXPECT_EQ(row.statuses[static_cast<std::size_t>(SolveStatus::diverged)], 3u);
+  EXPECT_NEAR(row.length_m, 34 * 0.05 + 0.15, 1e-6);
+  EXPECT_NEAR(row.length_m2, 34 * 0.0025 + 0.0225, 1e-6);
+  EXPECT_NEAR(row.largest_m, 0.15, 1e-6);
+  EXPECT_THAT(row.error_m,
+              ElementsAre(DoubleNear(37 * 0.03, 1e-5), DoubleNear(0.0, 1e-5), DoubleNear(-37 * 0.04, 1e-5)));
+  EXPECT_THAT(row.absolute_m,
+              ElementsAre(DoubleNear(37 * 0.03, 1e-5), DoubleNear(0.0, 1e-5), DoubleNear(37 * 0.04, 1e-5)));
+  EXPECT_THAT(row.error_m2, ElementsAre(DoubleNear(43 * 0.0009, 1e-6), DoubleNear(0.0, 1e-6),
+                                        DoubleNear(43 * 0.0016, 1e-6)));
+}
+
+TEST(TakeErrors, LieInBlocksOfFiveSeconds) {
+  const ErrorTable table = MadeTake(310).errors(under({AlignmentKind::none}));
+  std::vector<std::uint32_t> asked;
+  for (const ErrorRow& row : table.errors)
+    if (row.quantity == 1) asked.push_back(row.asked());
+  EXPECT_THAT(asked, ElementsAre(150u, 150u, 10u));
+}
+
+TEST(TakeErrors, OfEachAlignmentAreWhatItLeaves) {
+  MadeTake made(60);
+  const Eigen::AngleAxisd turn(0.3, Vector3d(0.2, 1.0, 0.1).normalized());
+  made.each([&](std::uint64_t i, std::size_t j) {
+    const double t = 0.1 * static_cast<double>(i);
+    made.set_truth(
+        i, j, Vector3d(std::sin(t), 1.0 + 0.2 * static_cast<double>(j) + 0.1 * std::cos(2 * t), 2.0 + t));
+    made.answer(i, j, 0, turn * made.truth_m(i, j) + kError_m);
+  });
+  const ErrorTable table = made.errors(
+      under({AlignmentKind::none, AlignmentKind::first, AlignmentKind::mean, AlignmentKind::rigid}));
+  for (const std::uint32_t j : {0U, 1U}) {
+    Vector3d mean_m = Vector3d::Zero();
+    std::vector<Vector3d> error_m;
+    for (std::uint64_t i = 0; i < 60; ++i) {
+      error_m.push_back(turn * made.truth_m(i, j) + kError_m - made.truth_m(i, j));
+      mean_m += error_m.back() / 60.0;
+    }
+    std::array<double, 3> length_m{};
+    for (const Vector3d& e : error_m) {
+      length_m[0] += e.norm();
+      length_m[1] += (e - error_m[0]).norm();
+      length_m[2] += (e - mean_m).norm();
+    }
+    for (const std::uint32_t a : {0U, 1U, 2U})
+      EXPECT_NEAR(summed(table, j, 0, a).length_m, length_m.at(a), 1e-5) << a;
+    EXPECT_LT(summed(table, j, 0, 3).length_m, 1e-4);  // estimates are stored in single precision
+  }
+}
+
+// Half of the take is learnt from. The first instant of the other half is an outlier: it may move nothing.
+TEST(TakeErrors, OfTheHeldOutHalfDoNotDependOnWhatTheyAreHeldAgainst) {
+  MadeTake made(60);
+  made.each([&](std::uint64_t i, std::size_t j) {
+    made.block.heading_rad[i] = 0.1F * static_cast<float>(i);
+    const Eigen::AngleAxisd heading(static_cast<double>(made.block.heading_rad[i]), Vector3d::UnitY());
+    made.answer(i, j, 0,
+                made.truth_m(i, j) + heading * kError_m + (i == 30 ? Vector3d(1, 0, 0) : Vector3d(0, 0, 0)));
+  });
+  const ErrorTable table = made.errors(under({AlignmentKind::held_out, AlignmentKind::joint_offset}, 0.5));
+  for (const std::uint32_t j : {0U, 1U}) {
+    const ErrorRow held_out = summed(table, j, 0, 0), offset = summed(table, j, 0, 1);
+    EXPECT_EQ(held_out.asked(), 30u);
+    EXPECT_NEAR(held_out.length_m - held_out.largest_m, 29 * 0.05, 1e-4);
+    EXPECT_EQ(offset.asked(), 30u);
+    EXPECT_NEAR(offset.length_m, 1.0, 1e-4);  // the outlier alone
+    EXPECT_NEAR(offset.largest_m, 1.0, 1e-5);
+  }
+}
+
+TEST(TakeErrors, OfPairsAreOfTheSamplesThatBothAnswerEachAlignedOnThese) {
+  MadeTake made(40, 2);
+  made.each([&](std::uint64_t i, std::size_t j) {
+    made.answer(i, j, 0, made.truth_m(i, j) + (i < 20 ? 1.0 : 9.0) * kError_m);
+    if (i >= 20) made.miss(i, j, 1);
+  });
+  ErrorSettings settings = under({AlignmentKind::mean, AlignmentKind::none});
+  settings.pairs = {{0, 1}};
+  const ErrorTable table = made.errors(settings);
+  ASSERT_EQ(table.pairs.size(), 4u);  // joints and alignments
+  for (const PairRow& row : table.pairs) {
+    EXPECT_EQ(row.n, 20u);
+    EXPECT_NEAR(row.first_m, row.alignment == 0 ? 0.0 : 20 * 0.05, 1e-5);
+    EXPECT_NEAR(row.second_m, 0.0, 1e-5);
+  }
+  EXPECT_NEAR(summed(table, 0, 0, 0).length_m, 40 * 0.2,
+              1e-4);  // of its own samples: 4 times 5 cm from their mean
+}
+
+TEST(TakeErrors, OfOccludedSamplesAreARowOfTheirOwn) {
+  MadeTake made(30);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    made.block.occluded[made.place(i, 1)] = 2;
+    made.answer(i, 1, 0, made.truth_m(i, 1) + kError_m);
+  }
+  ErrorSettings settings = under({AlignmentKind::none});
+  settings.occluded_apart = true;
+  const ErrorTable table = made.errors(settings);
+  EXPECT_EQ(summed(table, 1, 0, 0, Subset::occluded).asked(), 10u);
+  EXPECT_NEAR(summed(table, 1, 0, 0, Subset::occluded).length_m, 0.5, 1e-5);
+  EXPECT_EQ(summed(table, 1).asked(), 30u);
+  EXPECT_NEAR(summed(table, 1).length_m, 0.5, 1e-5);
+  EXPECT_EQ(summed(table, 0, 0, 0, Subset::occluded).asked(), 0u);
+}
+
+TEST(TakeErrors, AreCountedByMillimetre) {
+  MadeTake made(3);
+  for (std::uint64_t i = 0; i < 3; ++i)
+    made.answer(i, 0, 0, made.truth_m(i, 0) + Vector3d(0, i == 2 ? 2.5 : 0.0505, 0));
+  const ErrorTable table = made.errors(under({AlignmentKind::none}));
+  ASSERT_EQ(table.histograms.at(0).bins, 2u);
+  EXPECT_EQ(table.bins.at(0).bin, 50u);
+  EXPECT_EQ(table.bins.at(0).n, 2u);
+  EXPECT_EQ(table.bins.at(1).bin, kLastBin);
+  EXPECT_EQ(table.bins.at(1).n, 1u);
+}
+
+// Third differences of t^3 are 6 / rate^3 everywhere: the jerk of four answers in a row is 6 m/s^3.
+TEST(TakeErrors, JerksAreOfFourAnswersInARow) {
+  MadeTake made(20);
+  made.each([&](std::uint64_t i, std::size_t j) {
+    const double t = static_cast<double>(i) / kMadeRate_hz;
+    made.set_truth(i, j, Vector3d(0, 1, t * t * t));
+    made.answer(i, j, 0, made.truth_m(i, j));
+  });
+  made.miss(10, 0, 0);                                     // instants 0 to 9 and 11 to 19 are left
+  made.set_truth(5, 1, Vector3d::Constant(std::nan("")));  // 0 to 4 and 6 to 19
+  const ErrorTable table = made.errors(under({AlignmentKind::none}));
+  // The jerk at an instant takes the one before and two behind; of the estimates it counts where the truth is
+  // known.
+  EXPECT_EQ(table.truth.at(0).jerks, 17u);
+  EXPECT_NEAR(table.truth.at(0).jerk_m_s3, 17 * 6.0, 0.1);
+  EXPECT_EQ(table.truth.at(1).jerks, 2u + 11u);
+  EXPECT_EQ(table.shapes.at(0).jerks, 7u + 6u + 16u);
+  EXPECT_NEAR(table.shapes.at(0).jerk_m_s3 / 29.0, 6.0, 0.05);
+}
+
+TEST(TakeErrors, ABoneThatSwingsHasItsSpread) {
+  MadeTake made(40);
+  for (std::uint64_t i = 0; i < 40; ++i)
+    made.answer(i, 1, 0, made.truth_m(i, 1) + Vector3d(0, i % 2 == 0 ? 0.01 : -0.01, 0));
+  made.miss(0, 0, 0);
+  made.miss(1, 1, 0);
+  const ErrorTable table = made.errors(under({AlignmentKind::none}));
+  EXPECT_EQ(table.shapes.at(0).bones, 1u);
+  EXPECT_NEAR(table.shapes.at(0).bone_sd_m, 0.01 * std::sqrt(38.0 / 37.0), 1e-6);
+}
+
+TEST(TakeErrors, BodiesAreWholeAtInstantsAtWhichAllJointsAreAnswered) {
+  MadeTake made(30, 2);
+  made.each([&](std::uint64_t i, std::size_t j) {
+    made.answer(i, j, 0, made.truth_m(i, j) + (j == 0 ? 1.0 : 2.0) * kError_m);
+  });
+  for (const std::uint64_t i : {4, 5}) made.miss(i, 1, 0);
+  for (const std::uint64_t i : {5, 6, 7}) made.miss(i, 0, 1);
+  made.set_truth(9, 1, Vector3d::Constant(std::nan("")));  // then a body is what is left of it
+  ErrorSettings settings = under({AlignmentKind::none});
+  settings.pairs = {{0, 1}};
+  const ErrorTable table = made.errors(settings);
+  const auto body = [&](std::uint32_t method, std::uint32_t with) {
+    for (const BodyRow& row : table.bodies)
+      if (row.method == method && row.with == with) return row;
+    return BodyRow{};
+  };
+  EXPECT_EQ(body(0, 0).n, 28u);
+  EXPECT_NEAR(body(0, 0).mpjpe_m, 27 * 0.075 + 0.05, 1e-5);
+  EXPECT_EQ(body(1, 1).n, 27u);
+  EXPECT_NEAR(body(1, 1).mpjpe_m, 0.0, 1e-5);
+  EXPECT_EQ(body(0, 1).n, 26u);
+  EXPECT_NEAR(body(0, 1).mpjpe_m, 25 * 0.075 + 0.05, 1e-5);
+}
+
+TEST(TakeErrors, OfALeftOutSensorFollowThoseOfTheFirst) {
+  MadeTake made(10);
+  made.head.tracks = {"k1", "k2"};
+  const ScratchFolder folder;
+  StoredTake take = StoredTake::create(folder / StoredTake::kName, made.head);
+  take.write(0, made.block);
+  made.each([&](std::uint64_t i, std::size_t j) { made.answer(i, j, 0, made.truth_m(i, j) + kError_m); });
+  take.write(1, made.block);
+  take.finish();
+  const ErrorTable table =
+      errors_of(StoredTake::open(folder / StoredTake::kName), under({AlignmentKind::none}));
+  EXPECT_NEAR(summed(table, 0).length_m, 0.0, 1e-5);
+  EXPECT_NEAR(summed(table, 2).length_m, 0.5, 1e-5);
+  EXPECT_EQ(summed(table, 3).asked(), 10u);
+}
+
+}  // namespace
+}  // namespace trilat
