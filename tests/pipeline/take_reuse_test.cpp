@@ -104,7 +104,7 @@ TEST(Reuse, EverySettingThatDecidesSamplesIsInTheKeyAndNoOther) {
   const std::map<std::string, std::string> others{
       {"name", R"("another")"},       {"conditions", R"(["walking", "arm_swing"])"},
       {"occluded_apart", "true"},     {"reference", R"("nonlinear")"},
-      {"alignments", R"(["rigid"])"}, {"training_share", "0.3"},
+      {"alignments", R"(["first"])"}, {"training_share", "0.3"},
       {"cross_check_limit_m", "1e-5"}};
   const auto keys_of = [&](const std::string& key, const std::string& value) {
     Json json = parse_json(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "test",
