@@ -114,6 +114,7 @@ bool ColumnRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
     }
     if (read_row(line, frame, anomalies)) return true;
   }
+  far_.end();
   check_promise(anomalies);
   return false;
 }
@@ -210,13 +211,18 @@ bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
   return true;
 }
 
-void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const {
+void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) {
   const double* const position = &numbers_[kSlotsPerAsset * number];
   pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(pose.position_m[axis]) > kFarthest_m) {
-      refuse_cell(layout_.columns[assets_[number]][static_cast<std::size_t>(axis)],
-                  std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)), kTooFar);
+      far_.add(position[axis], [&] {
+        return cell_refusal(layout_.columns[assets_[number]][static_cast<std::size_t>(axis)],
+                            std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)),
+                            kTooFar);
+      });
+      pose.position_m.setConstant(kFilled);
+      return;
     }
   if (pose.position_m.hasNaN()) {
     if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
@@ -225,12 +231,16 @@ void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& a
 }
 
 void ColumnRows::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {
+  throw cell_refusal(column, cell, problem);
+}
+
+InputError ColumnRows::cell_refusal(std::size_t column, std::string_view cell, const char* problem) const {
   std::string who = column == 0 ? "frame" : column == layout_.time_column ? "time" : "";
   for (std::size_t i = 0; who.empty() && i < layout_.columns.size(); ++i)
     for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot)
       if (layout_.columns[i][slot] == column) who = key_of(header_, i) + ", " + std::string(kSlotNames[slot]);
-  throw InputError(lines_.place(), "column " + std::to_string(column + 1) + " (" + who + "): \"" +
-                                       std::string(cell.substr(0, 40)) + "\" " + problem);
+  return {lines_.place(), "column " + std::to_string(column + 1) + " (" + who + "): \"" +
+                              std::string(cell.substr(0, 40)) + "\" " + problem};
 }
 
 }  // namespace trilat

@@ -33,8 +33,9 @@ class ColumnRows {
   const char* read_cells(const char* p, const char* end, std::size_t& fields);
   const char* read_number(const char* p, const char* end, std::size_t column);
   bool set_time(MocapFrame& frame, MocapAnomalies& anomalies);
-  void set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) const;
+  void set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies);
   [[noreturn]] void refuse_cell(std::size_t column, std::string_view cell, const char* problem) const;
+  InputError cell_refusal(std::size_t column, std::string_view cell, const char* problem) const;
 
   LineReader& lines_;
   const MocapHeader& header_;
@@ -51,6 +52,7 @@ class ColumnRows {
   std::int64_t last_index_ = 0;
   double first_printed_s_ = kMissing;
   double last_printed_s_ = kMissing;
+  FarNumbers far_;
 };
 
 }  // namespace trilat

@@ -63,6 +63,7 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
   MocapPositions positions;
   positions.header.format = "joints as CSV";
   std::map<std::string, std::size_t> joints;
+  FarNumbers far;
   for (std::string_view line; lines.next(line);) {
     const std::vector<std::string> cells = split_csv(line);
     if (cells.size() < names.size() && !lines.terminated()) positions.anomalies.truncated_last_row = true;
@@ -84,10 +85,15 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     if (is_new) positions.header.assets.push_back({AssetType::marker, joint->first, "", "", true});
     Eigen::Vector3d position_m(number(2), number(3), number(4));
     if (!position_m.allFinite()) position_m.setConstant(kMissing);
-    if (position_m.cwiseAbs().maxCoeff() > kFarthest_m)
-      throw InputError(lines.place(), cells[places[1]] + ' ' + kTooFar);
+    for (const double x_m : position_m)
+      if (std::abs(x_m) > kFarthest_m) {
+        far.add(x_m, [&] { return InputError(lines.place(), cells[places[1]] + ' ' + kTooFar); });
+        position_m.setConstant(kFilled);
+        break;
+      }
     rows.push_back({duration_from_s(time_s).ns, joint->second, position_m});
   }
+  far.end();
   if (rows.empty()) throw InputError(path.string(), "holds no joints");
   std::ranges::stable_sort(rows, {}, &Row::time_ns);
   const std::int64_t first_ns = rows.front().time_ns;
@@ -108,6 +114,7 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
                       positions.header.assets[row.joint].name, 1e-9 * static_cast<double>(row.time_ns)));
     if (!position_m.allFinite()) position_m = row.position_m;
   }
+  positions.missing = remove_missing(positions.time, positions.position_m);
   return positions;
 }
 

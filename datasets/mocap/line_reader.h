@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "datasets/base/error.h"
 #include "datasets/base/time.h"
 
 namespace trilat {
@@ -52,6 +54,30 @@ class LineReader {
 inline constexpr double kFarthest_m = 100.0;
 inline constexpr const char* kTooFar =
     "is more than 100 m; have the numbers another unit than the header says?";
+// The numbers of a file that are too far. One value again and again stands for what is missing, such as 1e6;
+// two that differ, or one that comes once, make no sense.
+class FarNumbers {
+ public:
+  // `refusal()` makes the InputError of the number's place; that of the first one is thrown when another
+  // value comes.
+  template <class Refusal>
+  void add(double number, const Refusal& refusal) {
+    if (count_ > 0 && number != number_) throw *first_;
+    if (count_++ > 0) return;
+    number_ = number;
+    first_ = refusal();
+  }
+  // At the end of the file: throws the refusal of a number that came once.
+  void end() const {
+    if (count_ == 1) throw *first_;
+  }
+
+ private:
+  std::int64_t count_ = 0;
+  double number_ = 0.0;
+  std::optional<InputError> first_;
+};
+
 // A frame number or count beyond it is none.
 inline constexpr std::int64_t kHighestFrame = 1'000'000'000;
 // 30 years: no clock of a take shows more.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -101,6 +100,8 @@ MocapReader::MocapReader(const std::filesystem::path& path, std::size_t block_by
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
   const auto read_columns = [&](ColumnHeader columns) {
     header_ = std::move(columns.header);
+    for (std::size_t i = 0; i < header_.assets.size(); ++i)
+      header_.assets[i].column = std::ranges::min(columns.layout.columns[i]) + 1;
     rows_ = std::make_unique<ColumnRows>(*lines_, header_, std::move(columns.layout));
   };
   if (split_csv(line).front() == kMotiveStart) {
@@ -123,52 +124,6 @@ void MocapReader::read_only(const std::vector<std::size_t>& assets) {
 
 bool MocapReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_); }
 
-namespace {
-
-// From the first to the last frame of a frozen stretch, how many frames it has at least, and the smallest
-// step of a file that has digits enough.
-constexpr Duration kMinFrozen{95'000'000};
-constexpr std::int64_t kMinFrozenFrames = 5;
-constexpr double kFinestStep_m = 2e-6;
-
-bool same_bits(const MocapPose& a, const MocapPose& b) {
-  return std::memcmp(a.position_m.data(), b.position_m.data(), 3 * sizeof(double)) == 0;
-}
-
-}  // namespace
-
-FrozenPoses::FrozenPoses(const MocapHeader& header)
-    : finest_step_m_(std::numeric_limits<double>::infinity()) {
-  for (const MocapAsset& asset : header.assets)
-    stretches_.emplace_back().is_solved = asset.type != AssetType::marker && asset.type != AssetType::other;
-}
-
-std::int64_t FrozenPoses::add(std::size_t asset, const MocapPose& pose, MocapTime time) {
-  Stretch& stretch = stretches_[asset];
-  if (!pose.has_position()) {
-    stretch.frames = 0;
-    return 0;
-  }
-  const bool repeats = stretch.frames > 0 && same_bits(pose, stretch.pose);
-  if (!repeats) {
-    if (stretch.seen)
-      for (const double step_m : (pose.position_m - stretch.pose.position_m).cwiseAbs().eval())
-        if (step_m > 0.0) finest_step_m_ = std::min(finest_step_m_, step_m);
-    stretch.moved |= stretch.seen && !same_bits(pose, stretch.pose);
-    stretch.seen = true;
-    stretch.pose = pose;
-    stretch.start = time;
-    stretch.frames = 1;
-    stretch.frozen = false;
-    return 0;
-  }
-  ++stretch.frames;
-  if (stretch.frozen) return 1;
-  stretch.frozen = stretch.is_solved && stretch.moved && finest_step_m_ <= kFinestStep_m &&
-                   stretch.frames >= kMinFrozenFrames && time - stretch.start >= kMinFrozen;
-  return stretch.frozen ? stretch.frames : 0;
-}
-
 MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t>& assets, MocapTime until) {
   reader.read_only(assets);
   MocapPositions result;
@@ -180,23 +135,13 @@ MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t
         std::clamp<std::int64_t>(result.header.total_exported_frames.value_or(0), 0, kMost));
     for (const std::size_t asset : assets) result.position_m[asset].reserve(frames);
   }
-  FrozenPoses poses(result.header);
   MocapFrame frame;
   while ((result.time.empty() || result.time.back() < until) && reader.next(frame)) {
     if (result.time.empty() && std::isfinite(frame.printed_time_s)) result.first_s = frame.printed_time_s;
     result.time.push_back(frame.time);
-    for (const std::size_t asset : assets) {
-      const MocapPose& pose = frame.poses[asset];
-      std::vector<Eigen::Vector3d>& position_m = result.position_m[asset];
-      const bool at_origin = pose.position_m.isZero(0.0);
-      const MocapPose measured = at_origin ? MocapPose() : pose;
-      position_m.push_back(measured.position_m);
-      result.removed.at_origin += at_origin ? 1 : 0;
-      const std::int64_t frozen = poses.add(asset, measured, frame.time);
-      std::fill(position_m.end() - frozen, position_m.end(), MocapPose().position_m);
-      result.removed.frozen += frozen;
-    }
+    for (const std::size_t asset : assets) result.position_m[asset].push_back(frame.poses[asset].position_m);
   }
+  result.missing = remove_missing(result.time, result.position_m);
   result.anomalies = reader.anomalies();
   return result;
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "datasets/mocap/missing_positions.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
@@ -21,9 +22,8 @@ inline constexpr std::size_t kBlockBytes = 1 << 20;  // read from the disk at on
 bool begins_as_mocap(const std::filesystem::path& path);
 
 // Streams a motion capture of any length with bounded memory: OptiTrack's exports (Motive's column format 1.2
-// to 1.25), and the markers of TRC files; the content says which. Positions come out in metres. Lost bodies
-// that an export writes as a frozen pose or at the origin are delivered as they stand; read_positions() finds
-// them, and the summary the frozen ones.
+// to 1.25), and the markers of TRC files; the content says which. Positions come out in metres. What an
+// export writes for lost bodies is delivered as it stands; read_positions() finds it.
 class MocapReader {
  public:
   // Reads the header. InputError when the file cannot be opened or is in none of these formats.
@@ -52,46 +52,14 @@ class MocapReader {
   MocapAnomalies anomalies_;
 };
 
-// Some systems repeat the last pose of a rigid body or bone that they have lost instead of leaving it out.
-// What is truly still shows its noise in the last digits, provided that the file has digits for it: a solved
-// pose that has moved before and then stays the same to the bit is lost where steps elsewhere in the file are
-// many times smaller than the noise of a body at rest, some 0.02 mm. Markers are measured, and missing when
-// hidden: they are never lost in this way.
-class FrozenPoses {
- public:
-  explicit FrozenPoses(const MocapHeader& header);
-  // How many of the asset's poses so far are newly known to be frozen, this one being the last of them: the
-  // whole stretch when it has just become long enough, then one at a time.
-  std::int64_t add(std::size_t asset, const MocapPose& pose, MocapTime time);
-
- private:
-  struct Stretch {
-    bool is_solved = false;
-    bool seen = false, moved = false;  // before the stretch
-    MocapPose pose;
-    MocapTime start;
-    std::int64_t frames = 0;
-    bool frozen = false;
-  };
-  std::vector<Stretch> stretches_;  // by asset of the header
-  double finest_step_m_;            // so far, of all assets
-};
-
-// Poses that are no measurement.
-struct RemovedPoses {
-  std::int64_t frozen = 0;
-  std::int64_t at_origin = 0;  // exactly (0, 0, 0), which some exports write for "missing"
-};
-
 // The positions of some assets over a motion capture, by asset of the header and frame. NaN where an asset is
-// missing, where it is frozen (the whole stretch, from its first frame on), and where it is exactly at the
-// origin; assets that were not asked for have none.
+// missing, also where remove_missing() says so; assets that were not asked for have none.
 struct MocapPositions {
   MocapHeader header;
   std::vector<MocapTime> time;  // of the frames, since the first
   double first_s = 0.0;         // the first frame's time as the file has it; 0 where it has none
   std::vector<std::vector<Eigen::Vector3d>> position_m;
-  RemovedPoses removed;
+  std::vector<MissingCounts> missing;  // by asset
   MocapAnomalies anomalies;
 };
 

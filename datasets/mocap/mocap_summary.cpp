@@ -18,7 +18,7 @@ constexpr double kJumpSpeed_m_s =
 }  // namespace
 
 MocapSummarizer::MocapSummarizer(const MocapHeader& header)
-    : rate_is_stated_(!std::isnan(header.export_rate_hz)), tracks_(header.assets.size()), frozen_(header) {
+    : rate_is_stated_(!std::isnan(header.export_rate_hz)), tracks_(header.assets.size()) {
   summary_.rate_hz = header.export_rate_hz;
   summary_.assets.resize(header.assets.size());
 }
@@ -56,7 +56,6 @@ void MocapSummarizer::add(const MocapFrame& frame) {
     AssetSummary& counts = summary_.assets[i];
     const MocapPose& pose = frame.poses[i];
     track.missed = track.missed || skips || !pose.has_position();
-    counts.frozen += frozen_.add(i, pose, frame.time);
     if (pose.has_position()) {
       counts.sum_m += pose.position_m - mean_m;
       add_sample(pose, frame.time, track, counts);
@@ -101,9 +100,19 @@ void MocapSummarizer::add_sample(const MocapPose& pose, MocapTime time, Track& t
 
 MocapSummary summarize_mocap(MocapReader& reader) {
   MocapSummarizer summarizer(reader.header());
+  MocapPositions positions;
+  positions.position_m.resize(reader.header().assets.size());
   MocapFrame frame;
-  while (reader.next(frame)) summarizer.add(frame);
-  return summarizer.finish();
+  while (reader.next(frame)) {
+    summarizer.add(frame);
+    positions.time.push_back(frame.time);
+    for (std::size_t i = 0; i < frame.poses.size(); ++i)
+      positions.position_m[i].push_back(frame.poses[i].position_m);
+  }
+  MocapSummary summary = summarizer.finish();
+  const std::vector<MissingCounts> missing = remove_missing(positions.time, positions.position_m);
+  for (std::size_t i = 0; i < missing.size(); ++i) summary.assets[i].no_measurement = missing[i];
+  return summary;
 }
 
 }  // namespace trilat

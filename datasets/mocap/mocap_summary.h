@@ -14,7 +14,7 @@ namespace trilat {
 struct AssetSummary {
   std::int64_t samples = 0;                         // frames in which the asset has a position
   std::int64_t missing = 0;                         // frames in which it has none
-  std::int64_t frozen = 0;                          // samples inside frozen stretches
+  MissingCounts no_measurement;                     // samples that stand for what was not seen
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();  // of its positions, less the mean of all in the frame
   std::int64_t jumps = 0;                           // steps from one sample to the next faster than 20 m/s
   // Longest time between two neighbouring samples with a frame missing between them; what is missing before
@@ -40,7 +40,7 @@ struct LikelyUp {
 };
 LikelyUp likely_up(const MocapSummary& summary);
 
-// Accumulates a summary frame by frame, in memory that does not grow.
+// Accumulates a summary frame by frame, without what is no measurement.
 class MocapSummarizer {
  public:
   explicit MocapSummarizer(const MocapHeader& header);
@@ -61,7 +61,6 @@ class MocapSummarizer {
   bool rate_is_stated_ = false;
   MocapSummary summary_;
   std::vector<Track> tracks_;
-  FrozenPoses frozen_;
   std::int64_t last_index_ = 0;
   double first_printed_s_ = kMissing;
 };

@@ -72,6 +72,21 @@ std::string key_of(const MocapHeader& header, std::size_t asset) {
   return twice ? typed_name(own) + "#" + own.id : typed_name(own);
 }
 
+std::string plain_name(std::string_view name) {
+  const auto is_ascii_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  name = name.substr(0, name.find_last_not_of(" \t") + 1);
+  std::string plain;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const char c = name[i];
+    if (is_ascii_letter(c))
+      plain += static_cast<char>(c | 0x20);
+    else if ((c >= '0' && c <= '9') || (static_cast<unsigned char>(c) & 0x80) != 0 || c == '+' ||
+             (c == '-' && i + 1 == name.size()))
+      plain += c;
+  }
+  return plain;
+}
+
 std::size_t find_asset(const MocapHeader& header, std::string_view key, const std::string& place) {
   std::vector<std::size_t> all;
   std::vector<std::size_t> found;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -18,6 +19,8 @@
 namespace trilat {
 
 inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kFilled =
+    std::numeric_limits<double>::infinity();  // a far value that stands for missing
 
 // What OptiTrack calls a column's type. A rigid body marker is the solved position, present while the marker
 // is hidden; a marker is the measured one, missing while hidden. `other` is a type that is none of these and
@@ -39,6 +42,7 @@ struct MocapAsset {
   std::string id;
   std::string parent;
   bool has_position = false;  // else the export has its rotations alone
+  std::size_t column = 0;     // its first one in the file, counted from 1; 0 where it has none of its own
 };
 
 struct MocapHeader {
@@ -60,11 +64,12 @@ struct MocapHeader {
   bool is_simulated() const { return take_name.ends_with(kSimulatedTake) && capture_start_text.empty(); }
 };
 
-// World is right-handed, y up, metres. A position that is missing is NaN in all its components.
+// World is right-handed, y up, metres. A position that is missing is NaN in all its components, or infinite
+// where the file has one far value again and again.
 struct MocapPose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kMissing);
 
-  bool has_position() const { return position_m.x() == position_m.x(); }
+  bool has_position() const { return std::isfinite(position_m.x()); }
 };
 
 struct MocapFrame {
@@ -89,6 +94,11 @@ struct MocapAnomalies {
 
 // "rigid_body:Wand", and "#ID" behind it when that alone does not tell it from another asset.
 std::string key_of(const MocapHeader& header, std::size_t asset);
+
+// A name without blanks and signs that do not count, ASCII in lower case; what is left of two names is equal
+// when they mean the same. Letters of every script are kept, and the signs + and - behind a name, which tell
+// sides apart.
+std::string plain_name(std::string_view name);
 
 // The asset a person means by "Wand", "rigid_body:Wand", "Wand#ID" or "rigid_body:Wand#ID".
 // InputError at `place` when no asset has that key (lists those there are) or several have it (lists them).

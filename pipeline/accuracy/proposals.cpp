@@ -2,7 +2,6 @@
 #include "pipeline/accuracy/proposals.h"
 
 #include <algorithm>
-#include <cctype>
 #include <functional>
 #include <optional>
 #include <string>
@@ -116,14 +115,6 @@ const std::vector<Way>& ways() {
   return all;
 }
 
-std::string plain(std::string_view text) {
-  std::string result;
-  for (const char c : text)
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
-
 // "@farm" -> "rfarm", "@@arm" -> "rightarm".
 std::string of_side(std::string name, bool right) {
   if (name.starts_with("@@")) return (right ? "right" : "left") + name.substr(2);
@@ -139,7 +130,7 @@ std::optional<std::size_t> asset_called(const MocapHeader& header, const std::st
     const MocapAsset& asset = header.assets[i];
     if (!asset.has_position || !is_type(asset.type)) continue;
     const std::string last = asset.name.substr(asset.name.find_last_of(":_. ") + 1);
-    if (plain(asset.name) != name && plain(last) != name) continue;
+    if (plain_name(asset.name) != name && plain_name(last) != name) continue;
     if (found) return std::nullopt;
     found = i;
   }
@@ -166,7 +157,7 @@ std::vector<std::string> markers_numbered(const MocapHeader& header, const std::
   std::vector<std::string> keys;
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const MocapAsset& asset = header.assets[i];
-    const std::string text = plain(asset.name);
+    const std::string text = plain_name(asset.name);
     const std::size_t end = text.find_last_not_of("0123456789") + 1;
     if (asset.type == AssetType::marker && asset.has_position && end < text.size() &&
         text.substr(0, end) == name)
@@ -177,9 +168,11 @@ std::vector<std::string> markers_numbered(const MocapHeader& header, const std::
 
 std::vector<std::string> assets_of(const MocapHeader& header, Joint joint) {
   // rigid bodies that are called as a joint is, and whatever else
-  if (const auto own = asset_called(header, plain(name_of(joint)), [](AssetType t) { return !is_bone(t); }))
+  if (const auto own =
+          asset_called(header, plain_name(name_of(joint)), [](AssetType t) { return !is_bone(t); }))
     return {key_of(header, *own)};
-  if (auto numbered = markers_numbered(header, plain(name_of(joint))); !numbered.empty()) return numbered;
+  if (auto numbered = markers_numbered(header, plain_name(name_of(joint))); !numbered.empty())
+    return numbered;
   const bool right = name_of(joint).ends_with("_right");
   for (const Way& way : ways()) {
     if (way.joint != (right ? mirror_of(joint) : joint)) continue;

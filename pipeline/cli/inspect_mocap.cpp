@@ -30,7 +30,9 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
                       {"position", asset.has_position},
                       {"samples", summary.samples},
                       {"missing", summary.missing},
-                      {"frozen", summary.frozen},
+                      {"frozen", summary.no_measurement.held},
+                      {"at_origin", summary.no_measurement.at_origin},
+                      {"fill_values", summary.no_measurement.filled},
                       {"jumps", summary.jumps},
                       {"longest_gap_s", summary.longest_gap_s}});
   }
@@ -85,6 +87,20 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
   if (s.index_gaps > 0)
     fmt::print("{} gaps in the frame numbers, {} frames missing\n", s.index_gaps, s.skipped_frames);
   print_anomalies(a);
+  for (std::size_t i = 0; i < header.assets.size(); ++i) {
+    const MissingCounts& counts = s.assets[i].no_measurement;
+    if (counts.at_origin > 0)
+      fmt::print("odd: {}: {} positions are exactly (0, 0, 0), taken as missing\n", header.assets[i].name,
+                 counts.at_origin);
+    if (counts.filled > 0)
+      fmt::print("odd: {}: {} positions are one far value again and again, taken as missing\n",
+                 header.assets[i].name, counts.filled);
+    if (counts.held > 0)
+      fmt::print(
+          "odd: {}: {} positions repeat the one before to the last digit while others move, taken as "
+          "missing\n",
+          header.assets[i].name, counts.held);
+  }
   if (header.assets.empty()) {
     fmt::print("no assets: the export holds no data columns\n");
     return;
@@ -97,7 +113,8 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const AssetSummary& t = s.assets[i];
     fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8} {:>6} {:>13.3f}\n", name_of(header.assets[i].type),
-               header.assets[i].name, width, t.samples, t.missing, t.frozen, t.jumps, t.longest_gap_s);
+               header.assets[i].name, width, t.samples, t.missing, t.no_measurement.held, t.jumps,
+               t.longest_gap_s);
   }
 }
 

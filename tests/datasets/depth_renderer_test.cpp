@@ -348,6 +348,7 @@ TEST(DepthRenderer, AnImageOfAnyWidthIsWhole) {
   std::vector<std::uint16_t> image(53 * 19);
   DepthRenderer(small, noise_free_depth(), {})
       .render({{facing_plane(1.25)}, {}, {}}, kHere, key_of(0), image);
+  ASSERT_FALSE(image.empty());
   for (const std::uint16_t mm : image) EXPECT_EQ(mm, 1250);
 }
 

@@ -9,11 +9,15 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "datasets/base/error.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "tests/datasets/temporary_file.h"
 
 namespace trilat {
 namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 constexpr double kRate_hz = 100.0;
 
@@ -105,160 +109,151 @@ TEST(MocapSummary, SeparatesSamplesFromMissing) {
   EXPECT_DOUBLE_EQ(summary.longest_gap_s, 0.05);  // the missing tail is no gap
 }
 
-TEST(MocapSummary, FrozenIsAStretchOfATenthOfASecondToTheBit) {
-  std::vector<MocapPose> poses = moving(3);
-  append(poses, 11, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses).frozen, 11);
-  append(poses, 4, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses).frozen, 15);
-  poses = moving(3);
-  append(poses, 10, pose_at(0.5));  // spans 0.09 s
-  EXPECT_EQ(asset_summary(poses).frozen, 0);
-}
-
-TEST(MocapSummary, FrozenTakesFiveFramesAtALowRate) {
-  constexpr std::int64_t kAtTwentyFiveHertz = 4;
-  std::vector<MocapPose> poses = moving(2);
-  append(poses, 4, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses, kAtTwentyFiveHertz).frozen, 0);
-  append(poses, 1, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses, kAtTwentyFiveHertz).frozen, 5);
-}
-
-TEST(MocapSummary, AStillBodyWithNoiseInTheLastDigitIsNotFrozen) {
-  std::vector<MocapPose> poses;
-  for (int i = 0; i < 100; ++i) poses.push_back(pose_at(0.5 + (i % 2) * 1e-6));
-  EXPECT_EQ(asset_summary(poses).frozen, 0);
-}
-
-TEST(MocapSummary, ABodyThatHasNotMovedIsNotFrozen) {
-  std::vector<MocapPose> poses;
-  append(poses, 50, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses).frozen, 0);
-}
-
-TEST(MocapSummary, AMissingFrameEndsAFrozenStretch) {
-  std::vector<MocapPose> poses = moving(3);
-  append(poses, 8, pose_at(0.5));
-  append(poses, 1, MocapPose());
-  append(poses, 8, pose_at(0.5));
-  EXPECT_EQ(asset_summary(poses).frozen, 0);
-}
-
 TEST(MocapSummary, JumpsAreStepsFasterThanTheLimit) {
   // 0.19 m and 0.21 m in 10 ms are 19 and 21 m/s.
   EXPECT_EQ(asset_summary({pose_at(0), pose_at(0.19), pose_at(0.40), pose_at(0.40)}).jumps, 1);
   EXPECT_EQ(asset_summary({pose_at(0), MocapPose(), pose_at(0.39)}).jumps, 0);
 }
 
-// An asset "a" of this type, and a marker "b" that moves by `step_mm` a frame.
-template <class Number>
-std::string take_of(const std::vector<Number>& x_mm, const std::string& type = "Rigid Body",
-                    double step_mm = 0.001) {
-  std::string text = "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n,Type," + type +
-                     "," + type + "," + type +
-                     ",Marker,Marker,Marker\n,Name,a,a,a,b,b,b\n,ID,1,1,1,2,2,2\n,,Position,Position,"
-                     "Position,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,X,Y,Z\n";
-  for (std::size_t i = 0; i < x_mm.size(); ++i)
-    text += fmt::format("{},{:.2f},{},5,0,{:.3f},5,0\n", i, 0.01 * static_cast<double>(i), x_mm[i],
-                        step_mm * static_cast<double>(i));
+// Assets by name, each with its x in millimetres over time at 100 Hz, as Motive writes them in steps of a
+// micrometre; y is 5 mm, z is 0. No number is a missing position.
+std::string take_of(const std::vector<std::pair<std::string, std::vector<double>>>& assets,
+                    const std::string& type = "Marker", int digits = 3) {
+  std::string type_row = ",Type", name_row = ",Name", id_row = ",ID", what = ",",
+              axes = "Frame,Time (Seconds)";
+  for (std::size_t a = 0; a < assets.size(); ++a)
+    for (const char* axis : {"X", "Y", "Z"}) {
+      type_row += "," + type;
+      name_row += "," + assets[a].first;
+      id_row += fmt::format(",{}", a + 1);
+      what += ",Position";
+      axes += std::string(",") + axis;
+    }
+  std::string text = "Format Version,1.23,Export Frame Rate,100,Length Units,Millimeters\n\n" + type_row +
+                     "\n" + name_row + "\n" + id_row + "\n" + what + "\n" + axes + "\n";
+  for (std::size_t i = 0; i < assets.at(0).second.size(); ++i) {
+    text += fmt::format("{},{:.2f}", i, 0.01 * static_cast<double>(i));
+    for (const auto& [name, x_mm] : assets)
+      text +=
+          std::isnan(x_mm[i]) ? ",,," : fmt::format(",{:.{}f},{},0", x_mm[i], digits, x_mm[i] == 0.0 ? 0 : 5);
+    text += "\n";
+  }
   return text;
 }
 
-std::vector<int> filtered(const std::vector<int>& x_mm) {
-  const TemporaryFile file(take_of(x_mm));
-  MocapReader reader(file.path());
-  const MocapPositions positions = read_positions(reader, {0, 1});
-  std::vector<int> result;
-  for (const Eigen::Vector3d& position_m : positions.position_m[0])
-    result.push_back(position_m.allFinite() ? static_cast<int>(std::lround(position_m.x() * 1e3)) : -1);
-  EXPECT_EQ(positions.time.size(), x_mm.size());
-  EXPECT_TRUE(std::ranges::all_of(positions.position_m[1], [](const auto& p) { return p.allFinite(); }));
-  EXPECT_EQ(positions.removed.frozen, std::ranges::count(result, -1));
-  return result;
+// Someone who moves: noise of 0.1 mm over a swing of 20 cm.
+std::vector<double> swinging_mm(std::size_t frames, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, 0.1);
+  std::vector<double> x_mm;
+  for (std::size_t i = 0; i < frames; ++i)
+    x_mm.push_back(500.0 + 200.0 * std::sin(0.05 * static_cast<double>(i) + seed) + normal(random));
+  return x_mm;
 }
 
-TEST(Positions, OfAFrozenStretchAreMissingFromItsFirstFrameOn) {
-  std::vector<int> moving{1, 2}, still(12, 7), expected{1, 2};
-  moving.insert(moving.end(), still.begin(), still.end());
-  moving.insert(moving.end(), {3, 4});
-  expected.insert(expected.end(), still.size(), -1);
-  expected.insert(expected.end(), {3, 4});
-  EXPECT_EQ(filtered(moving), expected);
-  EXPECT_EQ(filtered(still), still);  // it has not moved before
-  EXPECT_EQ(filtered({1, 7, 7, 2, 8, 8}), (std::vector<int>{1, 7, 7, 2, 8, 8}));
-  EXPECT_EQ(filtered({1}), (std::vector<int>{1}));
-  EXPECT_EQ(filtered({}), (std::vector<int>{}));
+void hold(std::vector<double>& x_mm, std::size_t first, std::size_t end) {
+  std::fill(x_mm.begin() + static_cast<std::ptrdiff_t>(first),
+            x_mm.begin() + static_cast<std::ptrdiff_t>(end), x_mm[first]);
 }
 
-TEST(Positions, ExactlyAtTheOriginAreMissing) {
-  std::string text = take_of(std::vector<int>{1, 2, 3, 4});
-  const auto row = text.find("\n2,") + 1;
-  text.replace(row, text.find('\n', row) - row, "2,0.02,0,0,0,2,5,0");
+MissingCounts missing_of_first(const std::string& text) {
   const TemporaryFile file(text);
   MocapReader reader(file.path());
-  const MocapPositions positions = read_positions(reader, {0});
-  std::vector<bool> present;
-  for (const Eigen::Vector3d& position_m : positions.position_m[0]) present.push_back(position_m.allFinite());
-  EXPECT_EQ(present, (std::vector<bool>{true, true, false, true}));
-  EXPECT_EQ(positions.removed.at_origin, 1);
-  EXPECT_EQ(positions.removed.frozen, 0);
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < reader.header().assets.size(); ++i) all.push_back(i);
+  const MocapPositions positions = read_positions(reader, all);
+  const MissingCounts counts = positions.missing.at(0);
+  EXPECT_EQ(counts.sum(),
+            std::ranges::count_if(positions.position_m[0], [](const auto& p) { return !p.allFinite(); }));
+  for (std::size_t i = 1; i < positions.missing.size(); ++i) EXPECT_EQ(positions.missing[i].sum(), 0) << i;
+  MocapReader again(file.path());
+  EXPECT_EQ(summarize_mocap(again).assets.at(0).no_measurement.held, counts.held);
+  return counts;
+}
+
+constexpr std::size_t kFrames = 400;
+
+TEST(Missing, AHeldPositionIsNoMeasurementButItsFirst) {
+  for (const char* type : {"Marker", "Rigid Body", "Bone"})
+    for (const auto& [first, end] : {std::pair{100u, 150u}, std::pair{0u, 30u}, std::pair{350u, 400u}}) {
+      std::vector<double> held = swinging_mm(kFrames, 1);
+      hold(held, first, end);
+      EXPECT_EQ(
+          missing_of_first(
+              take_of({{"a", held}, {"b", swinging_mm(kFrames, 2)}, {"c", swinging_mm(kFrames, 3)}}, type))
+              .held,
+          end - first - 1)
+          << type << first;
+    }
+}
+
+TEST(Missing, AStretchBelowAFifthOfASecondIsLeft) {
+  std::vector<double> held = swinging_mm(kFrames, 1);
+  hold(held, 100, 120);  // 0.19 s
+  EXPECT_EQ(missing_of_first(take_of({{"a", held}, {"b", swinging_mm(kFrames, 2)}})).held, 0);
+}
+
+TEST(Missing, WhoStandsStillWithAllJointsIsNotHeld) {
+  std::vector<double> one = swinging_mm(kFrames, 1), two = swinging_mm(kFrames, 2);
+  hold(one, 100, 200);
+  hold(two, 95, 205);
+  const TemporaryFile file(take_of({{"a", one}, {"b", two}}));
+  MocapReader reader(file.path());
+  for (const MissingCounts& counts : read_positions(reader, {0, 1}).missing) EXPECT_EQ(counts.held, 0);
+}
+
+// In whole millimetres what rests repeats: only a value that it then leaves with a jump was held.
+TEST(Missing, InACoarseFileWhatRestsIsLeftAndWhatJumpsWasHeld) {
+  std::vector<double> rests = swinging_mm(kFrames, 1), held = rests, other = swinging_mm(kFrames, 2);
+  for (std::size_t i = 100; i < 160; ++i) rests[i] = rests[100] + 0.004 * static_cast<double>(i);
+  for (std::size_t i = 160; i < kFrames; ++i) rests[i] = rests[159] + 1.5 * static_cast<double>(i - 159);
+  hold(held, 100, 140);
+  for (std::size_t i = 0; i < other.size(); ++i) other[i] = 5.0 * std::round(other[i] / 5.0);
+  EXPECT_EQ(missing_of_first(take_of({{"a", rests}, {"b", other}}, "Marker", 0)).held, 0);
+  EXPECT_EQ(missing_of_first(take_of({{"a", held}, {"b", other}}, "Marker", 0)).held, 39);
+}
+
+TEST(Missing, ARigidBodyAloneIsJudgedByItsOwnNoise) {
+  std::vector<double> held = swinging_mm(kFrames, 1);
+  hold(held, 100, 150);
+  EXPECT_EQ(missing_of_first(take_of({{"a", held}}, "Rigid Body")).held, 49);
+}
+
+TEST(Missing, TheOriginAndFarValuesThatRepeatAre) {
+  for (const double fill_mm : {0.0, -16512.0, 9999.0, 1e6, 1e9}) {
+    std::vector<double> filled = swinging_mm(kFrames, 1);
+    for (std::size_t i = 7; i < kFrames; i += 20) filled[i] = fill_mm;
+    const MissingCounts counts = missing_of_first(take_of({{"a", filled}, {"b", swinging_mm(kFrames, 2)}}));
+    EXPECT_EQ(fill_mm == 0.0 ? counts.at_origin : counts.filled, 20) << fill_mm;
+    EXPECT_EQ(counts.sum(), 20) << fill_mm;
+  }
+}
+
+TEST(Missing, AFarValueThatComesOnceOrChangesIsRefused) {
+  for (const std::vector<double>& far_mm : {std::vector{1e6}, std::vector{1e6, 2e6, 1e6}}) {
+    std::vector<double> x_mm = swinging_mm(kFrames, 1);
+    for (std::size_t k = 0; k < far_mm.size(); ++k) x_mm[10 * k + 5] = far_mm[k];
+    const TemporaryFile file(take_of({{"a", x_mm}}));
+    MocapReader reader(file.path());
+    EXPECT_THAT([&] { read_positions(reader, {0}); },
+                ThrowsMessage<InputError>(HasSubstr("is more than 100 m")));
+  }
+}
+
+// A walk of twenty metres reaches far places, none twice.
+TEST(Missing, AFarPlaceThatIsReachedIsLeft) {
+  std::vector<double> walk;
+  for (std::size_t i = 0; i < kFrames; ++i) walk.push_back(50.0 * static_cast<double>(i) + 1.0);
+  EXPECT_EQ(missing_of_first(take_of({{"a", walk}, {"b", walk}})).sum(), 0);
 }
 
 TEST(Positions, AreReadAsFarAsIsAskedFor) {
-  const TemporaryFile file(take_of(std::vector<int>{1, 2, 3, 4, 5}));
+  const TemporaryFile file(take_of({{"a", {1, 2, 3, 4, 5}}, {"b", {1, 2, 3, 4, 5}}}));
   MocapReader reader(file.path());
   const MocapPositions positions = read_positions(reader, {1}, MocapTime{20'000'000});
   EXPECT_EQ(positions.time.size(), 3u);  // one frame in 10 ms
   EXPECT_TRUE(positions.position_m[0].empty());
   EXPECT_EQ(positions.position_m[1].size(), 3u);
-}
-
-// Rest of a still asset: noise of 0.02 mm that is smoothed over 20 frames (AR(1), 0.95), written in such
-// steps.
-std::vector<double> resting_mm(double step_mm) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal(0.0, 0.02 * std::sqrt(1.0 - 0.95 * 0.95));
-  std::vector<double> x_mm;
-  for (double noise_mm = 0.0; x_mm.size() < 2000;) {
-    const double moved_mm =
-        x_mm.size() < 50 ? 20.0 * static_cast<double>(x_mm.size()) : 1000.0;  // then it rests
-    noise_mm = 0.95 * noise_mm + normal(random);
-    x_mm.push_back(step_mm * std::round((moved_mm + noise_mm) / step_mm));
-  }
-  return x_mm;
-}
-
-std::int64_t frozen_in(const std::string& text) {
-  const TemporaryFile file(text);
-  MocapReader reader(file.path());
-  return read_positions(reader, {0, 1}).removed.frozen;
-}
-
-TEST(Positions, OfWhatRestsInACoarseFileStay) {
-  for (const double step_mm : {0.1, 1.0})
-    for (const char* type : {"Marker", "Rigid Body", "Bone"})
-      EXPECT_EQ(frozen_in(take_of(resting_mm(step_mm), type, step_mm)), 0)
-          << type << " in steps of " << step_mm;
-}
-
-TEST(Positions, OfAMarkerThatStandsStillToTheLastDigitStay) {
-  std::vector<double> x_mm(50, 3.0);
-  for (int i = 0; i < 10; ++i) x_mm[static_cast<std::size_t>(i)] = i;
-  EXPECT_EQ(frozen_in(take_of(x_mm, "Marker")), 0);
-  EXPECT_EQ(frozen_in(take_of(x_mm, "Rigid Body")), 40);
-}
-
-TEST(Positions, AsManyAreFrozenAsTheSummaryCounts) {
-  std::vector<int> x_mm;
-  for (int i = 0; i < 400; ++i) x_mm.push_back(i % 37 < 20 ? i / 37 : i);
-  const auto result = filtered(x_mm);
-  const auto frozen = std::ranges::count(result, -1);
-  const TemporaryFile file(take_of(x_mm));
-  MocapReader reader(file.path());
-  EXPECT_EQ(summarize_mocap(reader).assets.at(0).frozen, frozen);
-  EXPECT_GT(frozen, 100);
-  EXPECT_LT(frozen, 300);
 }
 
 }  // namespace

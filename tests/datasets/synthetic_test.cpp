@@ -185,6 +185,7 @@ TEST(SimulatedMarkers, TheirMeanIsTheJoint) {
     const SkeletonPose pose = motion(static_cast<double>(f) / spec.rate_hz);
     const auto markers = simulate_markers(pose, Joint::elbow_left, spec, {1, 0, 0}, f);
     Vector3d mean = Vector3d::Zero();
+    ASSERT_FALSE(markers.empty());
     for (const Vector3d& marker : markers) {
       mean += marker / kMarkersPerJoint;
       EXPECT_NEAR((marker - pose.at(Joint::elbow_left)).norm(), spec.marker_offset_m, 1e-12);

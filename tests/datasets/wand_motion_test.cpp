@@ -47,6 +47,7 @@ TEST(WandMotion, TheBallIsStillWhileHeldAndMovesWithoutJumps) {
   const WandMotionSpec spec{8, 0.7, 0.5};
   const WandMotion wand(spec, 3, kCentre, Person{});
   EXPECT_NEAR(wand.duration_s(), 8 * 0.7 + 7 * 0.5, 1e-12);
+  ASSERT_FALSE(wand.holds().empty());
   for (const WandHold& hold : wand.holds()) {
     EXPECT_NEAR(hold.to_s - hold.from_s, 0.7, 1e-12);
     for (const double t : {hold.from_s + 1e-9, 0.5 * (hold.from_s + hold.to_s), hold.to_s})

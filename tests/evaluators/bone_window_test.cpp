@@ -96,6 +96,7 @@ std::vector<PointEstimate> smoothed(const Scene& scene, std::size_t joint, const
 TEST(BoneWindow, ExactPositionsOfAPersonWhoStandsGiveTheTruth) {
   const Scene scene = scene_of(100, 0.0, kArm, 1, false);
   const auto estimates = solve(scene, {});
+  ASSERT_FALSE(estimates.empty());
   for (std::size_t k = 0; k < estimates.size(); ++k) {
     ASSERT_EQ(estimates[k].status, SolveStatus::converged);
     EXPECT_LT((estimates[k].position_m - scene.truth_m[k]).norm(), 1e-9);
@@ -105,6 +106,7 @@ TEST(BoneWindow, ExactPositionsOfAPersonWhoStandsGiveTheTruth) {
 TEST(BoneWindow, ExactPositionsOfAPersonWhoMovesGiveTheTruth) {
   const Scene scene = scene_of(150, 0.0);
   const auto estimates = solve(scene, {.sigma_m = 1e-4});
+  ASSERT_FALSE(estimates.empty());
   for (std::size_t k = 0; k < estimates.size(); ++k)
     EXPECT_LT((estimates[k].position_m - scene.truth_m[k]).norm(), 2e-4) << k;
 }

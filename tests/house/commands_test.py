@@ -53,6 +53,10 @@ class CommandsTest(unittest.TestCase):
             seen += 1
         self.assertGreater(seen, 60)
 
+    def test_there_are_blocks_of_commands(self):
+        self.assertGreater(len(list(blocks())), 20)
+        self.assertGreater(len(list(commands())), 40)
+
     def test_files_of_ours_that_are_named_exist(self):
         for page, block in blocks():
             for path in re.findall(r"(?<![\w/.])(?:scripts|pipeline|python|tests)/[\w./-]*\w", block):

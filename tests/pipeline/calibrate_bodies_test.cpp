@@ -62,7 +62,9 @@ std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::ui
 
 TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres) {
   const ScratchFolder folder;
-  for (const BodiesError& error : errors_from_bodies(folder, 0, unbiased_tracker(), 30)) {
+  const auto errors = errors_from_bodies(folder, 0, unbiased_tracker(), 30);
+  ASSERT_FALSE(errors.empty());
+  for (const BodiesError& error : errors) {
     EXPECT_LT(error.off.tail<3>().norm(), 0.02);
     EXPECT_LT(error.off.head<3>().norm(), 0.5 * kRadPerDegree);
   }

@@ -70,6 +70,7 @@ TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsVal
   Evaluated evaluated;
   const ResultsSummary summary =
       evaluated.of(walking_spec(5, 3.0), statistics_study(R"("alignments": ["none", "held_out"])"));
+  ASSERT_FALSE(summary.cells.empty());
   for (const SummaryCell& cell : summary.cells) {
     const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
     if (cell.method == "never") {
@@ -119,6 +120,7 @@ TEST(Statistics, AMethodIsNoBetterThanItself) {
   const ResultsSummary summary =
       evaluated.of(walking_spec(4), study_of(R"("alignments": ["mean"], "methods": [{"method": "mean"},
                                    {"method": "mean", "name": "again"}])"));
+  ASSERT_FALSE(summary.differences.empty());
   for (const DifferenceCell& d : summary.differences) {
     EXPECT_EQ(d.difference_m, 0.0);
     EXPECT_EQ(d.low_m, 0.0);
@@ -277,6 +279,7 @@ TEST(Statistics, NoMarkContradictsADifference) {
       evaluated.of(walking_spec(6, 4.0), study_of(R"("alignments": ["mean"], "reference": "mean",
           "methods": [{"method": "mean"}, {"method": "mean", "name": "same"}, {"method": "linear"},
                       {"method": "single", "sensors": ["k2"]}])"));
+  ASSERT_FALSE(summary.best.empty());
   for (const BestMethod& best : summary.best) {
     ASSERT_THAT(best.method, testing::AnyOf("mean", "same"));
     EXPECT_THAT(best.like_best, testing::Contains(best.method == "mean" ? "same" : "mean"));

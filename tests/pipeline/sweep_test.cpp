@@ -90,7 +90,9 @@ TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1e-6],
       "error_models": ["range_signed", "displacement", "gaussian"], "gradients": ["corrected"],
       "stops": ["objective", "step"], "starts": ["linear", "squared_ranges"], "trials": 500)");
-  for (const SweepCell& cell : swept(plan).cells) {
+  const auto summary = swept(plan);
+  ASSERT_FALSE(summary.cells.empty());
+  for (const SweepCell& cell : summary.cells) {
     EXPECT_EQ(cell.answered, 500u);
     EXPECT_LT(cell.max_m, 1e-12);  // the worst joints of the volume are known to a thousand roundings
     EXPECT_LT(cell.p95_m, 1e-14);
@@ -102,7 +104,9 @@ TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1],
       "gradients": ["corrected"], "stops": ["step"], "dampings": ["lm"],
       "starts": ["linear", "squared_ranges", "mean", "previous"], "trials": 500)");
-  for (const SweepCell& cell : swept(plan).cells) {
+  const auto summary = swept(plan);
+  ASSERT_FALSE(summary.cells.empty());
+  for (const SweepCell& cell : summary.cells) {
     EXPECT_EQ(cell.answered, 500u);
     EXPECT_LT(cell.max_m, 1e-9);
   }

@@ -191,6 +191,7 @@ class Refusals(ScratchTest):
             if isinstance(schema, dict) and isinstance(schema.get("properties"), dict):
                 yield schema
 
+        self.assertGreater(sum(len(one["properties"]) for schema in self.schemas.values() for one in objects_in(schema)), 100)
         for name, schema in self.schemas.items():
             jsonschema.Draft202012Validator.check_schema(schema)
             for one in objects_in(schema):

@@ -147,6 +147,7 @@ TEST(SyntheticSource, AFrameThatIsLostDoesNotChangeWhatTheTrackerSaysLater) {
   const Delivered all = delivered_bodies(0.0), some = delivered_bodies(0.3);
   for (std::size_t s = 0; s < 2; ++s) {
     EXPECT_LT(some.frames[s].size(), all.frames[s].size() - 5);
+    ASSERT_FALSE(some.frames[s].empty());
     for (std::size_t i = 0; i < some.frames[s].size(); ++i) {
       const auto number = static_cast<std::size_t>(some.frames[s][i].stamp.sequence);
       expect_same_bodies(some.frames[s][i], all.frames[s].at(number));
@@ -162,6 +163,7 @@ TEST(SyntheticDepthSource, BodiesOfATrackerAreThoseWithoutDepth) {
   deliver(source, with_depth);
   for (std::size_t s = 0; s < 2; ++s) {
     ASSERT_EQ(with_depth.frames[s].size(), plain.frames[s].size());
+    ASSERT_FALSE(plain.frames[s].empty());
     for (std::size_t i = 0; i < plain.frames[s].size(); ++i)
       expect_same_bodies(with_depth.frames[s][i], plain.frames[s][i]);
   }

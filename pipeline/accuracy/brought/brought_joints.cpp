@@ -2,7 +2,6 @@
 #include "pipeline/accuracy/brought/brought_joints.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -17,27 +16,40 @@
 namespace trilat {
 namespace {
 
-// Letters and digits alone, in lower case.
-std::string plain(const std::string& name) {
-  std::string text;
-  for (const char c : name)
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool has_world_position(const MocapHeader& header, const MocapAsset& asset) {
   return asset.has_position && (asset.type != AssetType::bone || header.coordinate_space == "Global");
 }
 
-// Every marker by its own name, the first of those that are called alike.
+// Every asset by its own name, the measured marker before what was solved under the same name. What a system
+// calls unlabelled has a number that means nothing in another file.
 std::vector<NamedPoint> points_by_name(const MocapHeader& header) {
   std::vector<NamedPoint> points;
-  std::set<std::string> names;
-  for (std::size_t i = 0; i < header.assets.size(); ++i)
-    if (has_world_position(header, header.assets[i]) && names.insert(header.assets[i].name).second)
-      points.push_back({header.assets[i].name, {key_of(header, i)}});
+  for (std::size_t i = 0; i < header.assets.size(); ++i) {
+    const MocapAsset& asset = header.assets[i];
+    if (!has_world_position(header, asset) || plain_name(asset.name).starts_with("unlabel")) continue;
+    const auto known = std::ranges::find(points, asset.name, &NamedPoint::name);
+    if (known == points.end())
+      points.push_back({asset.name, {key_of(header, i)}});
+    else if (asset.type == AssetType::marker && !known->assets[0].starts_with("marker:"))
+      known->assets = {key_of(header, i)};
+  }
   return points;
+}
+
+// Refuses a point that stands twice in the file: two persons, or a marker that was labelled twice.
+void refuse_doubled(const MocapHeader& header, const std::string& name, const std::string& place) {
+  const MocapAsset* first = nullptr;
+  for (const MocapAsset& asset : header.assets) {
+    if (asset.name != name || !has_world_position(header, asset)) continue;
+    if (!first || (first->type != AssetType::marker && asset.type == AssetType::marker)) {
+      first = &asset;
+    } else if (asset.type == first->type) {
+      throw InputError(
+          place, fmt::format("has \"{}\" twice, in columns {} and {}; say under \"mapping\" which one is "
+                             "meant, or keep one person's columns",
+                             name, first->column, asset.column));
+    }
+  }
 }
 
 std::vector<NamedPoint> proposed_points(const MocapHeader& header) {
@@ -50,8 +62,8 @@ std::vector<NamedPoint> proposed_points(const MocapHeader& header) {
 const NamedPoint* find_point(const std::vector<NamedPoint>& points, const std::string& name) {
   const auto same = std::ranges::find(points, name, &NamedPoint::name);
   if (same != points.end()) return &*same;
-  const auto alike =
-      std::ranges::find_if(points, [&](const NamedPoint& point) { return plain(point.name) == plain(name); });
+  const auto alike = std::ranges::find_if(
+      points, [&](const NamedPoint& point) { return plain_name(point.name) == plain_name(name); });
   return alike == points.end() ? nullptr : &*alike;
 }
 
@@ -65,6 +77,7 @@ std::vector<NamedPoint> points_called(const BroughtJoints& joints, const MocapHe
   std::vector<NamedPoint> points;
   for (const std::string& name : names) {
     const NamedPoint* point = find_point(own, name);
+    if (point && joints.mapping.empty()) refuse_doubled(header, point->name, joints.file.string());
     if (!point) point = find_point(told, name);
     if (point) points.push_back({name, point->assets});
   }
@@ -158,9 +171,17 @@ std::vector<NamedPoint> common_points(const Take& take) {
     ways = {points_by_name(header), proposed_points(header)};
   else
     ways = {read_points(take.mapping)};
-  std::vector<NamedPoint> best;
-  for (const std::vector<NamedPoint>& way : ways)
-    if (std::vector<NamedPoint> both = common(way); both.size() > best.size()) best = std::move(both);
+  std::vector<NamedPoint> best = common(ways[0]);
+  if (take.mapping.empty()) {
+    const std::vector<NamedPoint> proposed = common(ways[1]);
+    if (proposed.size() > best.size()) return proposed;
+    for (NamedPoint& point : best) {
+      refuse_doubled(header, point.name, take.mocap.string());
+      // Angles and groups know the joint that the name means.
+      const auto joint = std::ranges::find(proposed, point.assets, &NamedPoint::assets);
+      if (joint != proposed.end()) point.name = joint->name;
+    }
+  }
   if (!best.empty()) return best;
   throw InputError(
       take.joints.front().file.string(),

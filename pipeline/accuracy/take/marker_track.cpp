@@ -2,6 +2,7 @@
 #include "pipeline/accuracy/take/marker_track.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,6 +69,29 @@ double MarkerTrack::repeated_share() const {
   return repeated / std::max(1.0, static_cast<double>(positions_.time.size()));
 }
 
+namespace {
+
+// "120 positions (RWrist 116, head 4)"; nothing where there are none.
+std::string counted_by_name(const MocapPositions& positions, std::int64_t MissingCounts::*count) {
+  constexpr std::size_t kMaxNames = 8;
+  std::int64_t sum = 0;
+  std::vector<std::pair<std::int64_t, std::string>> names;
+  for (std::size_t a = 0; a < positions.missing.size(); ++a) {
+    const std::int64_t own = positions.missing[a].*count;
+    sum += own;
+    if (own > 0) names.emplace_back(own, positions.header.assets[a].name);
+  }
+  if (sum == 0) return "";
+  std::ranges::stable_sort(names, std::greater{}, &std::pair<std::int64_t, std::string>::first);
+  std::string text;
+  for (std::size_t k = 0; k < std::min(kMaxNames, names.size()); ++k)
+    text += fmt::format("{}{} {}", k == 0 ? "" : ", ", names[k].second, names[k].first);
+  if (names.size() > kMaxNames) text += fmt::format(" and {} more", names.size() - kMaxNames);
+  return fmt::format("{} positions ({})", sum, text);
+}
+
+}  // namespace
+
 std::vector<std::string> oddities_of(const MarkerTrack& track) {
   constexpr double kMostRepeated = 0.2;  // of the frames
   std::vector<std::string> odd;
@@ -76,16 +100,13 @@ std::vector<std::string> oddities_of(const MarkerTrack& track) {
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
         "of the stated one, and what moves stands still between; export it at the rate of the capture",
         100.0 * share, 100.0 * (1.0 - share)));
-  if (const RemovedPoses removed = track.positions().removed; removed.frozen > 0)
-    odd.push_back(
-        fmt::format("{} poses of rigid bodies or bones repeat the one before to the last digit, though the "
-                    "file has finer steps: they were lost, and are not used as measurements",
-                    removed.frozen));
-  if (const RemovedPoses removed = track.positions().removed; removed.at_origin > 0)
-    odd.push_back(
-        fmt::format("{} positions are exactly (0, 0, 0), which is written for what is missing; they are not "
-                    "used as measurements",
-                    removed.at_origin));
+  for (const auto& [count, what] :
+       {std::pair{&MissingCounts::held, "repeat the one before to the last digit while others move"},
+        std::pair{&MissingCounts::at_origin, "are exactly (0, 0, 0), which is written for what is missing"},
+        std::pair{&MissingCounts::filled,
+                  "are one far value again and again, which is written for what is missing"}})
+    if (const std::string named = counted_by_name(track.positions(), count); !named.empty())
+      odd.push_back(fmt::format("{} {}; they are not used as measurements", named, what));
   const MocapAnomalies& counted = track.positions().anomalies;
   if (counted.truncated_last_row || counted.repeated_frames > 0 || counted.partial_poses > 0)
     odd.push_back(

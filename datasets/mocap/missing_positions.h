@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "datasets/base/time.h"
+
+namespace trilat {
+
+// How many positions of one asset are no measurement.
+struct MissingCounts {
+  std::int64_t at_origin = 0;  // exactly (0, 0, 0)
+  std::int64_t filled = 0;     // a value far from all others that repeats exactly, such as 9999
+  std::int64_t held = 0;       // the last one again, to the last bit, while others move
+
+  std::int64_t sum() const { return at_origin + filled + held; }
+};
+
+// Sets positions that programs write for what they have not seen to NaN, and counts them by asset.
+// `position_m`: by asset, then by frame, NaN where it is missing; an asset without any is not looked at.
+//
+// Held: at least 0.2 s and three frames equal to the bit, of which the first is a measurement, while at least
+// a third of the other assets change. Where the file has noise in its last digits (fewer than 2 % of the
+// others' steps are exactly zero), that is enough. Else what truly stands still repeats, too, such as a foot
+// on the floor: then the next position must lie 1 cm, and five of the asset's median steps, away. A lone
+// asset is judged by its own noise. Filled: beyond twice the radius about the median of all positions that
+// holds nine in ten of them, at least 3 m, and three times the same to the bit; and infinite ones, as readers
+// give numbers beyond 100 m that repeat.
+std::vector<MissingCounts> remove_missing(std::span<const MocapTime> time,
+                                          std::vector<std::vector<Eigen::Vector3d>>& position_m);
+
+}  // namespace trilat
