@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -143,14 +144,24 @@ namespace {
 struct FileRow {
   std::string alignment, method;
   std::uint64_t asked = 0, answered = 0;
-  std::size_t joints = 0;
+  std::size_t groups = 0, joints = 0;
   double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;
   std::array<double, 3> bias_m{};
 };
 
+// The joints of a condition; of a method those that it answers.
+std::size_t count_joints(const ResultsSummary& s, const std::string& condition,
+                         const std::string& method = "") {
+  std::set<std::string> joints;
+  for (const TakeJointRow& row : s.by_take)
+    if (row.condition == condition && (method.empty() || (row.method == method && row.answered > 0)))
+      joints.insert(row.joint);
+  return joints.size();
+}
+
 FileRow file_row(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
                  const std::string& method) {
-  FileRow row{.alignment = alignment, .method = method};
+  FileRow row{.alignment = alignment, .method = method, .joints = count_joints(s, condition, method)};
   double sum_m = 0.0;
   for (const SummaryCell& cell : s.cells) {
     if (cell.method != method || cell.alignment != alignment || cell.condition != condition ||
@@ -159,12 +170,12 @@ FileRow file_row(const ResultsSummary& s, const std::string& condition, const st
     row.asked += cell.asked;
     row.answered += cell.answered;
     if (cell.answered == 0) continue;
-    ++row.joints;
+    ++row.groups;
     sum_m += cell.mae_m;
     for (std::size_t axis = 0; axis < 3; ++axis) row.bias_m[axis] += cell.bias_m[axis];
   }
-  for (double& bias_m : row.bias_m) bias_m /= static_cast<double>(row.joints);
-  if (row.joints > 0) row.mae_m = sum_m / static_cast<double>(row.joints);
+  for (double& bias_m : row.bias_m) bias_m /= static_cast<double>(row.groups);
+  if (row.groups > 0) row.mae_m = sum_m / static_cast<double>(row.groups);
   if (const SummaryCell* all = find_cell(s, method, condition, average_group(s), alignment)) {
     row.low_m = all->mae_low_m;
     row.high_m = all->mae_high_m;
@@ -181,7 +192,7 @@ Table files_table(const ResultsSummary& s, const std::string& condition) {
     const auto first = static_cast<std::ptrdiff_t>(rows.size());
     for (const std::string& method : s.methods) rows.push_back(file_row(s, condition, alignment, method));
     std::ranges::stable_sort(rows.begin() + first, rows.end(), {}, [](const FileRow& row) {
-      return row.joints == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
+      return row.groups == 0 ? std::numeric_limits<double>::infinity() : row.mae_m;
     });
   }
   const auto bias = [](std::size_t axis) { return in_cm([=](const R& r) { return r.bias_m[axis]; }); };
@@ -197,7 +208,7 @@ Table files_table(const ResultsSummary& s, const std::string& condition) {
        {"bias x (cm)", "bias_x_cm", bias(0)},
        {"y (cm)", "bias_y_cm", bias(1)},
        {"z (cm)", "bias_z_cm", bias(2)},
-       {fmt::format("joints of {}", s.groups.size()), "joints", as_count(&R::joints)}});
+       {fmt::format("joints of {}", count_joints(s, condition)), "joints", as_count(&R::joints)}});
   table.notes.push_back(interval_note(s));
   return table;
 }
