@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 // TRILAT_CHECK(condition, "what must hold"): always on, throws InternalError with the source line.
 // For our own mistakes only; what comes from outside is refused with InputError.
@@ -12,6 +13,9 @@
   } while (false)
 
 namespace trilat {
+
+// A text of a file as messages may show it: control characters but line ends and tabs as \xNN.
+std::string printable(std::string_view text);
 
 // The outside world is wrong: a file, a setting, a device. `place` is where a person has to look
 // (`take.csv:17`, `/methods/0/name`, `session.h5:/sensors/k1`), `problem` what is there and what would be

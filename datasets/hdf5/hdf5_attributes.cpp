@@ -49,12 +49,30 @@ Ids open_attribute(std::int64_t node, const std::string& place, const std::strin
   return ids;
 }
 
-// Fixed-size texts only, as this program writes them.
+// Texts of variable length, as h5py writes them.
+std::vector<std::string> read_variable_texts(const Ids& ids, std::size_t count, const std::string& place) {
+  std::vector<char*> pointers(count, nullptr);
+  if (H5Aread(ids.attribute, ids.type, pointers.data()) < 0) throw InputError(place, "cannot be read");
+  std::vector<std::string> texts;
+  std::size_t bytes = 0;
+  for (const char* text : pointers) {
+    texts.emplace_back(text ? std::string_view(text, strnlen(text, kMaxTextBytes + 1)) : std::string_view());
+    bytes += texts.back().size();
+  }
+  H5Dvlen_reclaim(ids.type, ids.space, H5P_DEFAULT, pointers.data());
+  if (bytes > kMaxTextsBytes ||
+      std::ranges::any_of(texts, [](const auto& t) { return t.size() > kMaxTextBytes; }))
+    throw InputError(place, "is longer than a text of this format");
+  return texts;
+}
+
 std::vector<std::string> read_texts(const Ids& ids, const std::string& place) {
   const std::size_t size = H5Tget_size(ids.type);
   const hssize_t count = H5Sget_simple_extent_npoints(ids.space);
-  if (H5Tis_variable_str(ids.type) > 0 || size == 0 || size > kMaxTextBytes || count < 0 ||
-      static_cast<std::size_t>(count) > kMaxTexts || size * static_cast<std::size_t>(count) > kMaxTextsBytes)
+  if (H5Tis_variable_str(ids.type) > 0 && count >= 0 && static_cast<std::size_t>(count) <= kMaxTexts)
+    return read_variable_texts(ids, static_cast<std::size_t>(count), place);
+  if (size == 0 || size > kMaxTextBytes || count < 0 || static_cast<std::size_t>(count) > kMaxTexts ||
+      size * static_cast<std::size_t>(count) > kMaxTextsBytes)
     throw InputError(place, "is a text of a kind or size this format does not have");
   std::vector<char> buffer(size * static_cast<std::size_t>(count) + 1, '\0');
   if (H5Aread(ids.attribute, ids.type, buffer.data()) < 0) throw InputError(place, "cannot be read");

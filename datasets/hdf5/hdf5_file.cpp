@@ -295,6 +295,23 @@ H5Table H5Node::create_table(const std::string& name, H5Type type,
   return table;
 }
 
+namespace {
+
+// "float32 (N, 25, 3)"
+std::string text_of(hid_t type, const std::vector<std::uint64_t>& row_shape) {
+  const H5T_class_t kind = H5Tget_class(type);
+  std::string text = kind == H5T_FLOAT                   ? "float"
+                     : kind != H5T_INTEGER               ? "another type"
+                     : H5Tget_sign(type) == H5T_SGN_NONE ? "uint"
+                                                         : "int";
+  if (kind == H5T_FLOAT || kind == H5T_INTEGER) text += std::to_string(8 * H5Tget_size(type));
+  text += " (N";
+  for (const std::uint64_t extent : row_shape) text += ", " + std::to_string(extent);
+  return text + ")";
+}
+
+}  // namespace
+
 H5Table H5Node::table(const std::string& name, H5Type type,
                       const std::vector<std::uint64_t>& row_shape) const {
   H5Table table;
@@ -310,8 +327,12 @@ H5Table H5Node::table(const std::string& name, H5Type type,
   const bool same_shape = static_cast<std::size_t>(rank) == row_shape.size() + 1 &&
                           std::equal(row_shape.begin(), row_shape.end(), dims + 1);
   const H5Handle stored = wrap(H5Dget_type(table.id_.id()), close_type, table.place_, "has no type");
-  if (!same_shape || H5Tequal(stored.id(), type_of(type)) <= 0)
-    throw InputError(table.place_, "has another shape or element type than this format version has");
+  if (!same_shape || H5Tequal(stored.id(), type_of(type)) <= 0) {
+    const std::string wanted = text_of(type_of(type), row_shape);
+    const std::string found = text_of(stored.id(), {dims + 1, dims + rank});
+    throw InputError(table.place_, wanted + " is wanted, " + found +
+                                       (wanted == found ? " in another byte order" : "") + " is there");
+  }
   table.row_shape_ = row_shape;
   for (std::uint64_t extent : row_shape) table.row_elements_ *= extent;
   table.stored_ = check_stored_rows(table.id_.id(), table.place_, row_shape, H5Tget_size(type_of(type)));

@@ -65,6 +65,33 @@ std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
       all, kNearestJoint_m, kFarthestJoint_m, fmt::join(joints, ", "));
 }
 
+void StaleBodies::Run::end() {
+  constexpr std::size_t kMinRepeats = 2;
+  if (repeats.size() >= kMinRepeats) stale.insert(stale.end(), repeats.begin(), repeats.end());
+  repeats.clear();
+}
+
+void StaleBodies::add(const Body& body, std::size_t number) {
+  const auto [entry, is_new] = runs_.try_emplace(body.tracking_id);
+  Run& run = entry->second;
+  if (!is_new && run.position_m == body.position_m) {
+    run.repeats.push_back(number);
+    return;
+  }
+  run.end();
+  run.changes = !is_new;
+  run.position_m = body.position_m;
+}
+
+std::vector<std::size_t> StaleBodies::finish() {
+  std::vector<std::size_t> stale;
+  for (auto& [id, run] : runs_) {
+    run.end();
+    if (run.changes) stale.insert(stale.end(), run.stale.begin(), run.stale.end());
+  }
+  return stale;
+}
+
 std::vector<std::uint64_t> BodyIdentities::of(std::span<const Body> bodies, double time_s) {
   std::vector<std::uint64_t> identities;
   std::set<std::uint64_t> taken;  // in this frame: two bodies may have one tracking id

@@ -26,6 +26,27 @@ using JointCounts = std::array<std::uint64_t, kJointCount>;
 // nothing when there are none.
 std::optional<std::string> out_of_reach_text(const JointCounts& counts);
 
+// Finds what a sensor gives again: a driver that has nothing new repeats a body, to the last bit, under new
+// time stamps. The third of equal bodies in a row, and those around it but the first, are no measurement;
+// unless the body never changes.
+class StaleBodies {
+ public:
+  // The next body of the sensor; `number` is its own.
+  void add(const Body& body, std::size_t number);
+  // The numbers of those that are stale, in no order.
+  std::vector<std::size_t> finish();
+
+ private:
+  struct Run {
+    std::array<std::array<float, 3>, kJointCount> position_m;
+    std::vector<std::size_t> repeats;
+    std::vector<std::size_t> stale;
+    bool changes = false;
+    void end();
+  };
+  std::map<std::uint64_t, Run> runs_;  // by tracking id
+};
+
 // Tells the bodies of one sensor apart. A body that moves more than 1 m from one frame to the next under one
 // tracking id, in the median over its joints, is another body from there: trackers hand an id on to a second
 // person. A person who runs may move farther between frames that lie far apart.

@@ -109,6 +109,9 @@ SessionReader::SessionReader(const std::filesystem::path& path) : state_(std::ma
   s.header.note = s.file.text("note");
   const H5Node sensors = s.file.group("sensors");
   for (const std::string& name : sensors.children(kMaxSessionSensors)) {
+    if (printable(name) != name || name.find_first_of("\n\t") != std::string::npos)
+      throw InputError(sensors.place(),
+                       "holds a sensor with control characters in its name, which no recorder writes");
     const H5Node node = sensors.group(name);
     s.header.sensors.push_back(read_description(node, name));
     s.sensors.push_back(open_sensor_tables(node, s.complete));
@@ -178,8 +181,17 @@ std::vector<BodyFrame> SessionReader::body_frames(std::size_t sensor, std::uint6
   for (std::uint64_t i = 0; i < counts.size(); ++i) (i < first - checkpoint ? row : total) += counts[i];
   std::vector<Body> bodies(total);
   read_bodies(t.bodies, row, bodies);
+  const std::vector<std::uint64_t> frame_of = t.bodies.frame.read(row, total);
   auto next = bodies.begin();
   for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t b = 0; b < counts[first - checkpoint + i]; ++b) {
+      const auto place = static_cast<std::size_t>(next - bodies.begin()) + b;
+      if (frame_of[place] != first + i)
+        throw InputError(t.bodies.frame.place(), "row " + std::to_string(row + place) + " is of frame " +
+                                                     std::to_string(frame_of[place]) +
+                                                     ", and by the sum of body_count of frame " +
+                                                     std::to_string(first + i) + ": one of both is damaged");
+    }
     frames[i].stamp = stamps_of[i];
     std::copy_n(&floors[4 * i], 4, frames[i].floor_plane.data());
     const auto end = next + counts[first - checkpoint + i];

@@ -20,6 +20,7 @@ struct SensorCounts {
   std::uint64_t clock_exchanges = 0;
   std::uint64_t drop_counts = 0;
   std::uint64_t notices = 0;
+  std::uint64_t notices_left_out = 0;  // beyond kMaxSessionNotices
   std::optional<ChunkCompression> depth_compression =
       std::nullopt;  // none where chunks are not as we write them
   // Rows that stand in some columns of a table but not in all: what a killed writer was in the middle of.

@@ -25,7 +25,6 @@ void open_columns(Tables& tables, const H5Node& node) {
 constexpr std::uint64_t kMostFrames = std::uint64_t{1} << 24;
 constexpr std::uint64_t kMostExchanges = std::uint64_t{1} << 22;
 constexpr std::uint64_t kMostDropCounts = std::uint64_t{1} << 20;
-constexpr std::uint64_t kMostNotices = std::uint64_t{1} << 16;
 
 void check_rows(const H5Table& table, std::uint64_t most) {
   if (table.rows() > most)
@@ -38,7 +37,6 @@ void check_rows(const SensorTables& t) {
   if (t.depth_frames) check_rows(*t.depth_frames, kMostFrames);
   check_rows(t.lists.clock_exchanges.table, kMostExchanges);
   check_rows(t.lists.drop_counts.table, kMostDropCounts);
-  check_rows(t.notices.text.table, kMostNotices);
 }
 
 // The rows that all tables have, and how many some have beyond.
@@ -171,7 +169,9 @@ SensorTables open_sensor_tables(const H5Node& sensor, bool complete) {
   if (t.depth_frames) count_depth(t, limits[2]);
   t.counts.clock_exchanges = std::min(t.lists.clock_exchanges.table.rows(), limits[3]);
   t.counts.drop_counts = std::min(t.lists.drop_counts.table.rows(), limits[4]);
-  t.counts.notices = std::min(common_rows(t.notices).rows, limits[5]);
+  const std::uint64_t notices = std::min(common_rows(t.notices).rows, limits[5]);
+  t.counts.notices = std::min(notices, kMaxSessionNotices);
+  t.counts.notices_left_out = notices - t.counts.notices;
   return t;
 }
 

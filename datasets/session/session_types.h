@@ -74,6 +74,9 @@ struct DropCount {
   std::int64_t in_queue = 0;
 };
 
+// A recorder stores no more notices of a sensor, and a reader reads no more.
+inline constexpr std::uint64_t kMaxSessionNotices = std::uint64_t{1} << 16;
+
 // What a person should know of a sensor: unplugged, silent, back again.
 struct SensorNotice {
   std::int64_t host_ns = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <set>
 
@@ -103,6 +104,8 @@ struct BodyCounts {
   std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, same_id = 0;
   JointCounts out_of_reach{};
   BodyIdentities identities;
+  StaleBodies stale;
+  std::size_t bodies = 0;
   std::set<std::uint64_t> ids;
 
   void add(const BodyFrame& frame, SensorTime time) {
@@ -111,6 +114,7 @@ struct BodyCounts {
     std::set<std::uint64_t> here;
     for (const Body& body : frame.bodies) {
       add(body);
+      stale.add(body, bodies++);
       if (!here.insert(body.tracking_id).second) ++same_id;
     }
     if (ids.size() < 10'000) ids.merge(here);
@@ -126,7 +130,14 @@ struct BodyCounts {
     }
   }
 
-  void say(const Place& place, std::uint64_t frames) const {
+  void say(const Place& place, std::uint64_t frames) {
+    if (const std::size_t count = stale.finish().size(); count > 0)
+      place.say(
+          Severity::warning, "/bodies/position_m",
+          fmt::format(
+              "{} bodies repeat the one before to the last bit under new time stamps; they count as not seen",
+              count),
+          kAnswers);
     if (frames_without > 0)
       place.say(frames_without == frames ? Severity::warning : Severity::note, "/body_frames",
                 fmt::format("{} of {} frames hold no body", frames_without, frames), kAnswers);
@@ -196,11 +207,21 @@ void verify_depth(const SessionReader& session, std::size_t sensor, const Place&
 // What the recorder itself has said.
 void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, const Place& place) {
   const auto drops = session.drop_counts(sensor);
-  if (!drops.empty() && drops.back().at_source + drops.back().in_queue > 0)
+  constexpr std::int64_t kMaxFrames = std::int64_t{1} << 40;  // 1,000 years at 30 Hz
+  const auto is_count = [](std::int64_t n) { return n >= 0 && n <= kMaxFrames; };
+  if (!drops.empty() && (!is_count(drops.back().at_source) || !is_count(drops.back().in_queue)))
+    place.say(Severity::error, "/drop_counts",
+              fmt::format("{} frames lost at the source and {} for want of room are no counts of frames",
+                          drops.back().at_source, drops.back().in_queue),
+              kAnswers);
+  else if (!drops.empty() && drops.back().at_source + drops.back().in_queue > 0)
     place.say(Severity::warning, "/drop_counts",
               fmt::format("{} frames were lost at the source and {} for want of room while recording",
                           drops.back().at_source, drops.back().in_queue),
               kAnswers);
+  if (const std::uint64_t more = session.counts(sensor).notices_left_out; more > 0)
+    place.say(Severity::warning, "/notices",
+              fmt::format("{} notices beyond the first {} are left out", more, kMaxSessionNotices));
   constexpr std::size_t kMost = 20;
   const auto notices = session.notices(sensor);
   for (std::size_t i = 0; i < std::min(kMost, notices.size()); ++i)
@@ -264,6 +285,32 @@ bool sees_nobody(const SessionReader& session) {
   return true;
 }
 
+// A sensor that stops long before the others is a recording of fewer sensors from there.
+void verify_ends(const SessionReader& session, std::vector<Finding>& findings) {
+  constexpr double kMinGap_s = 1.0;
+  std::vector<std::optional<HostTime>> end_of_sensor(session.header().sensors.size());
+  HostTime end{std::numeric_limits<std::int64_t>::min()};
+  for (std::size_t s = 0; s < end_of_sensor.size(); ++s)
+    for (const auto& [stream, frames] : {std::pair{FrameStream::bodies, session.counts(s).body_frames},
+                                         std::pair{FrameStream::depth, session.counts(s).depth_frames}}) {
+      if (frames == 0) continue;
+      const HostTime last = fit_sensor_clock(session, s)(session.stamps(s, stream, frames - 1, 1).front());
+      end_of_sensor[s] = std::max(end_of_sensor[s].value_or(last), last);
+      end = std::max(end, last);
+    }
+  for (std::size_t s = 0; s < end_of_sensor.size(); ++s) {
+    if (!end_of_sensor[s]) continue;
+    const SensorDescription& sensor = session.header().sensors[s];
+    const double before_s = (end - *end_of_sensor[s]).seconds();
+    if (before_s > std::max(kMinGap_s, 30.0 / sensor.nominal_rate_hz))
+      findings.push_back({Severity::error, session.path().string() + ":/sensors/" + sensor.name,
+                          fmt::format("ends {:.1f} s before the last of the others: it stopped, or its "
+                                      "connection broke",
+                                      before_s),
+                          kAnswers});
+  }
+}
+
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress) {
   std::vector<Finding> findings;
@@ -313,6 +360,11 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
     }
     check([&] { verify_drops_and_notices(session, s, place); });
     check([&] { verify_clock(session, s, place); });
+  }
+  try {
+    verify_ends(session, findings);
+  } catch (const InputError&) {
+    // said above, of the sensor's own stamps
   }
   return findings;
 }

@@ -241,7 +241,12 @@ void SessionWriter::add_drop_count(std::size_t sensor, const DropCount& count) {
 
 void SessionWriter::add_notice(std::size_t sensor, const SensorNotice& notice) {
   WrittenTables& tables = state_->sensors.at(sensor);
-  std::vector<std::uint8_t> text(notice.text.begin(), notice.text.end());
+  const auto stored = static_cast<std::uint64_t>(tables.added.notices);
+  if (stored >= kMaxSessionNotices) return;
+  const bool is_last = stored + 1 == kMaxSessionNotices;
+  const std::string_view shown =
+      is_last ? "there were too many notices; no more are stored" : std::string_view(notice.text);
+  std::vector<std::uint8_t> text(shown.begin(), shown.end());
   text.resize(layout::kNoticeBytes, 0);
   tables.notices.host_ns.rows.push_back(notice.host_ns);
   tables.notices.text.add(text);

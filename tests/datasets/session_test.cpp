@@ -279,6 +279,87 @@ TEST(Session, VerifyCountsJointsOutOfReachAndJumpsOfABody) {
   EXPECT_THAT(said, HasSubstr("warning 2 times a body moves more than 1 m from one frame to the next"));
 }
 
+// From frame 10 on the same body comes seven times more, then every other one twice.
+TEST(Session, VerifyCountsBodiesThatAreGivenAgain) {
+  const auto repeats = [](std::int64_t first, std::int64_t count) {
+    return [=](std::int64_t i, BodyFrame& frame) {
+      if (i > first && i <= first + count) frame.bodies = body_frame_of(first, 1).bodies;
+      return true;
+    };
+  };
+  EXPECT_THAT(said_of(written("stale.h5", 60, repeats(10, 7))),
+              HasSubstr("7 bodies repeat the one before to the last bit"));
+  EXPECT_THAT(said_of(written("stale_end.h5", 60, repeats(50, 100))),
+              HasSubstr("9 bodies repeat the one before"));
+  EXPECT_THAT(said_of(written("doubled.h5", 60,
+                              [](std::int64_t i, BodyFrame& frame) {
+                                frame.bodies = body_frame_of(i - i % 2, 1).bodies;
+                                return true;
+                              })),
+              Not(HasSubstr("repeat")));
+  EXPECT_THAT(said_of(written("constant.h5", 60, repeats(-1, 100))), Not(HasSubstr("repeat")));
+}
+
+TEST(Session, ABodyIsGivenToNoOtherFrameThanItsOwn) {
+  const auto path = written("hole.h5", 100);
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t counts = H5Dopen2(file, "/sensors/k0/body_frames/body_count", H5P_DEFAULT);
+  std::vector<std::uint8_t> values(100, 1);
+  std::fill(values.begin() + 32, values.begin() + 64, std::uint8_t{0});
+  H5Dwrite(counts, H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Dclose(counts);
+  H5Fclose(file);
+  EXPECT_THAT([&] { SessionReader(path).body_frames(0, 0, 100); },
+              testing::ThrowsMessage<InputError>(
+                  HasSubstr("row 32 is of frame 32, and by the sum of body_count of frame 64")));
+  EXPECT_THAT(said_of(path), HasSubstr("error row 32 is of frame 32"));
+}
+
+TEST(Session, VerifyNamesASensorThatEndsBeforeTheOthers) {
+  const auto path = scratch("ends.h5");
+  SessionWriter writer(path, header_of(2));
+  for (std::int64_t i = 0; i < 300; ++i) {
+    writer.add_body_frame(0, body_frame_of(i, 1));
+    if (i < 90) writer.add_body_frame(1, body_frame_of(i, 1));
+  }
+  writer.finish();
+  EXPECT_THAT(said_of(path), HasSubstr("error ends 7.0 s before the last of the others"));
+}
+
+TEST(Session, NoticesEndAtALimitAndTheRestIsRead) {
+  const auto path = written("notices.h5", 10, {}, [](SessionWriter& writer) {
+    for (std::uint64_t i = 0; i < kMaxSessionNotices + 100; ++i)
+      writer.add_notice(0, {static_cast<std::int64_t>(i), "no frame"});
+  });
+  const SessionReader session(path);
+  const std::vector<SensorNotice> notices = session.notices(0);
+  ASSERT_EQ(notices.size(), kMaxSessionNotices);
+  EXPECT_EQ(notices.front().text, "no frame");
+  EXPECT_THAT(notices.back().text, HasSubstr("no more are stored"));
+}
+
+TEST(Session, VerifyRefusesLossesThatAreNoCounts) {
+  for (const DropCount& drops :
+       {DropCount{1, -5, 0}, DropCount{1, 0, -1}, DropCount{1, INT64_MAX, INT64_MAX}})
+    EXPECT_THAT(
+        said_of(written("drops.h5", 10, {}, [&](SessionWriter& writer) { writer.add_drop_count(0, drops); })),
+        HasSubstr(std::to_string(drops.at_source) + " frames lost at the source and " +
+                  std::to_string(drops.in_queue) + " for want of room are no counts"));
+}
+
+TEST(Session, ControlCharactersOfAFileReachNoTerminal) {
+  EXPECT_EQ(printable("a\x1b[31m\x7f\n\tb\xc3\xa4"), "a\\x1b[31m\\x7f\n\tb\xc3\xa4");
+  EXPECT_STREQ(InputError("f\x1b", "is \x07").what(), "f\\x1b: is \\x07");
+  const auto path = scratch("names.h5");
+  SessionHeader header = header_of(1);
+  header.sensors[0].name = "a\x1b[31m";
+  SessionWriter writer(path, header);
+  writer.add_body_frame(0, body_frame_of(0, 1));
+  writer.finish();
+  EXPECT_THAT([&] { SessionReader{path}; },
+              testing::ThrowsMessage<InputError>(HasSubstr("control characters")));
+}
+
 TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
   const auto twin = [](std::int64_t i, BodyFrame& frame) {
     if (i == 0) frame.bodies.push_back(frame.bodies[0]);

@@ -65,6 +65,20 @@ ObservedBody chosen_body(const SensorFrame& frame, const std::set<std::uint64_t>
   return best ? best->body : ObservedBody{};
 }
 
+// Removes bodies by number, of frames that end at these bodies.
+void remove(const std::vector<std::size_t>& numbers, std::vector<SeenBody>& bodies,
+            std::vector<std::size_t>& end_of_frame) {
+  std::vector<bool> is_removed(bodies.size());
+  for (const std::size_t number : numbers) is_removed[number] = true;
+  std::size_t kept = 0, next = 0;
+  for (std::size_t& end : end_of_frame) {
+    for (; next < end; ++next)
+      if (!is_removed[next]) bodies[kept++] = bodies[next];
+    end = kept;
+  }
+  bodies.resize(kept);
+}
+
 }  // namespace
 
 SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor,
@@ -77,6 +91,7 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
   result.bodies.reserve(session.counts(sensor).bodies);
   std::vector<std::size_t> end_of_frame;  // in the bodies
   BodyIdentities identities;
+  StaleBodies repeated;
   for (std::uint64_t first = 0; first < rows; first += kBlockRows) {
     if (stop_requested && stop_requested()) throw Interrupted();
     for (const BodyFrame& row : session.body_frames(sensor, first, std::min(kBlockRows, rows - first))) {
@@ -87,11 +102,17 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
       }
       const std::vector<std::uint64_t> identity =
           identities.of(row.bodies, (frame.time - HostTime{0}).seconds());
-      for (std::size_t b = 0; b < row.bodies.size(); ++b)
+      for (std::size_t b = 0; b < row.bodies.size(); ++b) {
+        repeated.add(row.bodies[b], result.bodies.size());
         result.bodies.push_back({identity[b], observed(row.bodies[b], result.out_of_reach)});
+      }
       end_of_frame.push_back(result.bodies.size());
       frames.push_back(frame);
     }
+  }
+  if (const std::vector<std::size_t> stale = repeated.finish(); !stale.empty()) {
+    result.stale = stale.size();
+    remove(stale, result.bodies, end_of_frame);
   }
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const std::size_t begin = f == 0 ? 0 : end_of_frame[f - 1];

@@ -89,6 +89,12 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
                           "id; from there it counts as another body, and the person is chosen again",
                           seen[s].jumps));
+    if (seen[s].stale > 0)
+      note(
+          s,
+          fmt::format(
+              "{} bodies repeat the one before to the last bit under new time stamps; they count as not seen",
+              seen[s].stale));
     if (seen[s].not_later > 0)
       note(s, fmt::format("{} frames have a time that is not after that of the frame before, and are left "
                           "out: are they there twice, or was the sensor's clock set back?",
