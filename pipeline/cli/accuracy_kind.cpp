@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/text_output.h"
 #include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
@@ -155,7 +156,8 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
     print_stored(results, shown.tables);
     fmt::print("results: {}\n", results.string());
     if (!shown.tables)
-      fmt::print("next: trilat report {} -o report; --tables prints all tables here\n", results.string());
+      fmt::print("next: trilat report {} -o report; --tables prints all tables here\n",
+                 shell_word(results.string()));
   }
   return summary.takes_failed == 0 && passed ? kDone : kItemsFailed;
 }

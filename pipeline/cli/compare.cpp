@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
+#include "datasets/base/text_output.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/cli/check_output.h"
@@ -93,7 +94,8 @@ int compare(const CompareArguments& a) {
                json_text(Json{{"results", a.output.string()}, {"errors", json_of(summary.cells)}}, 2));
   else {
     print_stored(a.output);
-    fmt::print("results: {}\nnext: trilat report {} -o report\n", a.output.string(), a.output.string());
+    fmt::print("results: {}\nnext: trilat report {} -o report\n", a.output.string(),
+               shell_word(a.output.string()));
   }
   return kDone;
 }

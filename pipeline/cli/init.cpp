@@ -11,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
+#include "datasets/base/text_output.h"
 #include "datasets/mocap/joint_csv.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/session/session_reader.h"
@@ -356,8 +357,8 @@ int init(const InitArguments& given) {
         "A start by the motion contains the trackers' lag, some 0.05 s: errors by that lag are not seen.\n");
   for (const std::string& note : found.notes) fmt::print(stderr, "note: {}\n", note);
   const std::string folder = (given.folder / "").parent_path().string();
-  fmt::print("next: trilat run {}/study.json --campaign {} -o {}-results\n", folder, folder,
-             folder == "." ? arguments.name : folder);
+  fmt::print("next: trilat run {} --campaign {} -o {}\n", shell_word(folder + "/study.json"),
+             shell_word(folder), shell_word((folder == "." ? arguments.name : folder) + "-results"));
   return kDone;
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/text_output.h"
 #include "datasets/results/summary.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/built_in.h"
@@ -149,7 +150,8 @@ class Reproduction {
                page.string());
     if (is_demo())
       fmt::print("next: change {} and trilat run {} --campaign {} -o {}\n", own_study().string(),
-                 own_study().string(), campaign.string(), (folder_ / "own").string());
+                 shell_word(own_study().string()), shell_word(campaign.string()),
+                 shell_word((folder_ / "own").string()));
   }
 
  private:

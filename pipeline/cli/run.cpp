@@ -71,7 +71,7 @@ void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, 
 // A file, or the name of a study that is built in. Its scales are those of `trilat reproduce`.
 Json read_study(const std::filesystem::path& study) {
   const std::vector<std::string> names = built_in_studies();
-  if (std::filesystem::exists(study) || study.has_extension() || study.has_parent_path()) {
+  if (std::filesystem::is_regular_file(study) || study.has_extension() || study.has_parent_path()) {
     Json json = read_json(study);
     if (json.is_object()) json.erase("scales");
     return json;

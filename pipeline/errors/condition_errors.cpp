@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "datasets/skeleton/skeleton.h"
 
@@ -117,14 +118,16 @@ TableAxes::TableAxes(const std::vector<std::string>& joints, std::size_t methods
 }
 
 ConditionErrors::ConditionErrors(std::span<const TakeTable> takes, const std::string& activity, Subset subset,
-                                 std::uint64_t participants, const TableAxes& axes)
+                                 const TableAxes& axes)
     : axes_(axes),
       cells_(axes.groups.size() * axes.methods * axes.alignments),
       pairs_(cells_.size() * axes.methods),
       bodies_(2 * axes.methods) {
   for (const TakeTable& take : takes)
     if (take.activity == activity) takes_.push_back(&take);
-  const bool by_participant = participants >= kFewestParticipants;
+  std::set<std::string> participants;
+  for (const TakeTable* take : takes_) participants.insert(take->participant);
+  const bool by_participant = participants.size() >= kFewestParticipants;
   const bool by_block = !by_participant && takes_.size() == 1;
   if (!by_participant) cluster_kind_ = by_block ? "blocks of time" : "takes";
   const std::vector<std::size_t> clusters = cluster_of(takes, by_participant);
@@ -235,8 +238,8 @@ StudyErrors::StudyErrors(std::span<const TakeTable> takes, const std::vector<std
 ConditionErrors StudyErrors::in(const std::string& condition, Subset subset) const {
   for (const TakeTable& take : takes_)
     if (occluded_condition(take.activity) == condition)
-      return {takes_, take.activity, Subset::occluded, names_.participants, axes_};
-  return {takes_, condition, subset, names_.participants, axes_};
+      return {takes_, take.activity, Subset::occluded, axes_};
+  return {takes_, condition, subset, axes_};
 }
 
 }  // namespace trilat

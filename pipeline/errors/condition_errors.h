@@ -84,11 +84,12 @@ struct TableAxes {
 };
 
 // The samples of the takes of one activity, of one subset, by group, method and alignment, which are numbers.
-// Clusters of intervals are participants; of fewer than three takes; of a single take its blocks of time.
+// Clusters of intervals are the condition's participants; of fewer than three its takes; of a single take its
+// blocks of time.
 class ConditionErrors {
  public:
   ConditionErrors(std::span<const TakeTable> takes, const std::string& activity, Subset subset,
-                  std::uint64_t participants, const TableAxes& axes);
+                  const TableAxes& axes);
 
   const std::vector<const TakeTable*>& takes() const { return takes_; }
   // Those of which anything is asked.

@@ -273,11 +273,10 @@ void write_summary(const Study& study, Run& run, const fs::path& results, const 
   publish(folder, results, kSummary, is_of_summary);
 }
 
-void run_shard(const Study& study, Run& run, const fs::path& results) {
-  const Json there = manifest_in(results);
+void run_shard(Run& run, const fs::path& results) {
   run.find_keys();
-  if (!there.is_object() || there.value("study", Json()) != study.manifest().value("study", Json()))
-    begin(run, results, run.manifest());
+  // A summary of other inputs is none of these.
+  if (const Json manifest = run.manifest(); manifest_in(results) != manifest) begin(run, results, manifest);
   run.compute();
 }
 
@@ -323,7 +322,7 @@ ItemTally run_study(const Study& study, const fs::path& results, const StudyOpti
     if (options.shard.whole())
       run_whole(study, run, results, options);
     else
-      run_shard(study, run, results);
+      run_shard(run, results);
   });
   return std::move(run.tally());
 }

@@ -80,7 +80,7 @@ bool is_ranked(const SweepSummary& s, std::size_t interpretation) {
       if (!(cell.mae_m > 0.0) || !(cell.axis_mean_mae_m() > 0.0) || !(cell.mean_iterations > 0.0))
         return false;
     }
-  return coverage_of(s, interpretation) >= kLeastCoverage;
+  return coverage_of(s, interpretation) >= kMinSearchCoverage;
 }
 
 // `error_m`: which of a cell's errors the paper may have reported.

@@ -7,7 +7,7 @@
 namespace trilat {
 
 // A reading is ranked when at least this share of the trials of every cell was answered.
-inline constexpr double kLeastCoverage = 0.9;
+inline constexpr double kMinSearchCoverage = 0.9;
 inline constexpr std::size_t kBestListed = 20;
 
 // Ranks the readings of a sweep over the printed thresholds and ranges by the root mean square of log(ours /

@@ -46,7 +46,7 @@ TEST(InterpretationSearch, RanksTheReadingFirstThatTheTableIsMadeFrom) {
     EXPECT_NE(search.compromises[0].printed, search.compromises[0].corrected);
     EXPECT_GT(search.compromises[0].printed_iterations_factor.at(2), 100.0);
     EXPECT_LT(search.compromises[0].corrected_iterations_factor.at(2), 10.0);
-    EXPECT_GE(search.compromises[0].printed_coverage, kLeastCoverage);
+    EXPECT_GE(search.compromises[0].printed_coverage, kMinSearchCoverage);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "datasets/results/item_store.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
 #include "pipeline/errors/summarise.h"
 #include "pipeline/errors/take_errors.h"
 #include "tests/pipeline/campaigns.h"
@@ -142,6 +143,26 @@ TEST(Statistics, ATakeOfOneBlockHasValuesAndNoInterval) {
   EXPECT_TRUE(std::isnan(cell->mae_low_m) && std::isnan(cell->mae_high_m));
   const DifferenceCell* d = find_difference(summary, "single k1", "walking", "head", "mean");
   EXPECT_TRUE(std::isfinite(d->difference_m) && std::isnan(d->low_m));
+  EXPECT_TRUE(summary.best.empty());  // nothing tells the methods apart
+  EXPECT_THAT(accuracy_findings(summary), testing::Each(testing::HasSubstr("no method is called best")));
+}
+
+// One take of another activity among six: its clusters are its own blocks.
+TEST(Statistics, ClustersAreThoseOfTheCondition) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(4, 11.0));
+  campaign.takes[3].activity = "sitting";
+  const ResultsSummary summary =
+      execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
+  EXPECT_EQ(find_cell(summary, "mean", "walking", "head", "mean")->clusters, 3u);
+  const SummaryCell* sitting = find_cell(summary, "mean", "sitting", "head", "mean");
+  EXPECT_EQ(sitting->clusters, 3u);  // blocks of five seconds
+  EXPECT_TRUE(std::isfinite(sitting->mae_low_m));
+  campaign.takes[2].activity = "sitting";
+  const ResultsSummary two =
+      execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "two", {});
+  EXPECT_EQ(find_cell(two, "mean", "walking", "head", "mean")->clusters, 2u);
+  EXPECT_EQ(find_cell(two, "mean", "sitting", "head", "mean")->clusters, 2u);
 }
 
 // All takes of one participant in a condition are one cluster; of fewer than three participants each take is.

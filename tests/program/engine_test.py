@@ -101,6 +101,19 @@ class Stops(Studies):
                 self.assertEqual((done["items_computed"], done["items_failed"]), (0, 0))
                 self.assert_same(whole, shared)
 
+    def test_a_shard_of_other_inputs_leaves_nothing_that_looks_finished(self):
+        shutil.copytree(made() / "campaign", self.folder / "own")
+        words = ["run", self.written("own.json", {**json.loads(self.study("accuracy").read_text()), "campaign": "own"})]
+        trilat(*words, "-o", self.folder / "results")
+        path = self.folder / "own/campaign.json"
+        campaign = json.loads(path.read_text())
+        for take in campaign["takes"]:
+            take["mocap_start_host_ns"] += 200_000_000
+        path.write_text(json.dumps(campaign))
+        trilat(*words, "-o", self.folder / "results", "--shard", "1/1")
+        self.assertFalse((self.folder / "results/summary.json").exists())
+        self.assertIn("is unfinished", trilat("report", self.folder / "results", "-o", self.folder / "report", code=2))
+
     def test_items_that_are_damaged_or_of_another_key_are_named_and_computed_again(self):
         words, results = ["run", self.study("accuracy")], self.folder / "results"
         trilat(*words, "-o", results)

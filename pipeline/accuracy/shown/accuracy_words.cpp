@@ -116,6 +116,9 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
   std::vector<std::string> findings;
   for (const std::string& condition : s.conditions) {
     const BestMethod* best = find_best(s, condition, average_group(s));
+    if (!best && s.methods.size() > 1)
+      findings.push_back(fmt::format("**{}**, {}: too short for an interval, so no method is called best.",
+                                     condition, s.simulated ? "simulated" : "recorded"));
     const SummaryCell* cell =
         best ? find_cell(s, best->method, condition, average_group(s), s.alignments.front()) : nullptr;
     if (!cell) continue;
@@ -143,10 +146,17 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
   return findings;
 }
 
-// The warnings that a reader needs before believing a number: failed takes, notes of the checks, clocks,
-// silent methods.
+// The warnings that a reader needs before believing a number: what Ceres contradicts, failed takes, notes of
+// the checks, silent methods.
 std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_notes) {
   std::vector<std::string> warnings;
+  for (const CrossCheck& check : s.cross_checks)
+    if (!check.passed())
+      warnings.push_back(
+          check.samples == 0
+              ? fmt::format("`{}` was not compared with Ceres: no sample has an answer of both.",
+                            check.method)
+              : fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", check.method, check.worst_m));
   const auto notes = std::ranges::count(s.notes, false, &TakeNote::failed);
   for (const TakeNote& note : s.notes)
     if (note.failed && with_notes)
@@ -162,13 +172,6 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
                     s.participants < 3 ? "intervals are between takes, or between five seconds of a single "
                                          "take, and say nothing of other people"
                                        : "intervals are wide, and hold for people like these alone"));
-  for (const CrossCheck& check : s.cross_checks)
-    if (!check.passed())
-      warnings.push_back(
-          check.samples == 0
-              ? fmt::format("`{}` was not compared with Ceres: no sample has an answer of both.",
-                            check.method)
-              : fmt::format("`{}` disagrees with Ceres by up to {:.3g} m.", check.method, check.worst_m));
   for (const std::string& condition : s.conditions)
     for (const std::string& method : leading_methods(s, condition)) {
       const std::string where = condition.empty() ? "" : " in " + condition;

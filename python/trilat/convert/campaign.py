@@ -2,6 +2,7 @@
 """Takes of one sensor and motion capture that share neither clock nor axes: a campaign that `trilat run` evaluates."""
 import argparse
 import json
+import shlex
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -215,5 +216,5 @@ def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], 
               f"{min(r['correlation'] for r in report):.2f} at least\n{note}")
         for line in left_out:
             print(f"left out: {line}")
-        print(f"next: trilat run STUDY.json --campaign {output} -o results")
+        print(f"next: trilat run STUDY.json --campaign {shlex.quote(str(output))} -o results")
     return int(bool(left_out))
