@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "datasets/mocap/missing_positions.h"
@@ -61,6 +62,8 @@ struct MocapPositions {
   std::vector<std::vector<Eigen::Vector3d>> position_m;
   std::vector<MissingCounts> missing;  // by asset
   MocapAnomalies anomalies;
+  std::vector<std::string>
+      taken_as;  // what of the file is read in another way than it is written, a sentence each
 };
 
 // Reads to the end, or through the first frame at `until`.

@@ -109,6 +109,20 @@ class Compare(Compared):
         sound = self.compared(self.brought("sound.csv", lambda at, key: at + np.random.default_rng(3).normal(0, 0.02, at.shape)))
         self.assertNotIn("note: sound", sound)
 
+    def test_times_in_another_unit_or_since_1970_are_said_and_converted(self):
+        for unit, begin, words in ((1e-3, 0, "taken as milliseconds, 50 Hz"), (1e-6, 0, "taken as microseconds"), (1e-9, 0, "taken as nanoseconds"),
+                                   (1, 1.76e9, "seconds since 1970"), (1e-3, 1.76e9, "seconds since 1970")):
+            with self.subTest(words):
+                said = self.compared(self.brought("mine.csv", lambda at, key: at + [0.03, 0, 0.04], (self.time_s + begin) / unit))
+                self.assertIn(words, said)
+                cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+                self.assertAlmostEqual(cell["mae_m"], 0.05, delta=1e-4)
+        library.write_joints(self.folder / "truth.csv", self.time_s + 1.76e9, self.truth)
+        said = self.compared(self.brought("mine.csv", lambda at, key: at + [0.03, 0, 0.04], self.time_s + 1.76e9))
+        self.assertNotIn("1970", said)
+        self.assertIn("5.00 (5.00 to 5.00)", said)
+        self.assertIn("is no camera's rate", self.compared(self.brought("mine.csv", lambda at, key: at, self.time_s * 1e14), code=2))
+
     def test_where_z_is_up_all_files_are_turned_alike_and_a_note_says_so(self):
         turned = {key: at[:, [0, 2, 1]] * [1, -1, 1] for key, at in self.truth.items()}
         library.write_joints(self.folder / "truth.csv", self.time_s, turned)

@@ -250,8 +250,16 @@ std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& plan
     std::size_t method = 0;
     while (plan.methods[method].spec.name != joints.method) ++method;
     // without a session both files have the same clock
-    const double first_s =
-        positions.first_s - (plan.rig.empty() ? (planned.start - HostTime{}).seconds() : 0.0);
+    double first_s = positions.first_s - (plan.rig.empty() ? (planned.start - HostTime{}).seconds() : 0.0);
+    constexpr double kOtherClock_s = 1e8;  // three years
+    if (std::abs(first_s) > kOtherClock_s) {
+      positions.taken_as.push_back(
+          fmt::format("begins at {:.3f} s, by another clock than the {}, such as that of seconds since 1970: "
+                      "taken to begin "
+                      "with it",
+                      positions.first_s, plan.rig.empty() ? "truth" : "recording"));
+      first_s = 0.0;
+    }
     const double rate_hz = positions.time.size() < 2 ? plan.study.rate_hz
                                                      : static_cast<double>(positions.time.size() - 1) /
                                                            positions.time.back().ns * 1e9;

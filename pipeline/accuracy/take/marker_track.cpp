@@ -94,7 +94,7 @@ std::string counted_by_name(const MocapPositions& positions, std::int64_t Missin
 
 std::vector<std::string> oddities_of(const MarkerTrack& track) {
   constexpr double kMostRepeated = 0.2;  // of the frames
-  std::vector<std::string> odd;
+  std::vector<std::string> odd = track.positions().taken_as;
   if (const double share = track.repeated_share(); share > kMostRepeated)
     odd.push_back(fmt::format(
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
