@@ -214,16 +214,20 @@ bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
 void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) {
   const double* const position = &numbers_[kSlotsPerAsset * number];
   pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
+  bool is_filled = false;
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(pose.position_m[axis]) > kFarthest_m) {
+      is_filled = true;
       far_.add(position[axis], [&] {
         return cell_refusal(layout_.columns[assets_[number]][static_cast<std::size_t>(axis)],
                             std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)),
                             kTooFar);
       });
-      pose.position_m.setConstant(kFilled);
-      return;
     }
+  if (is_filled) {
+    pose.position_m.setConstant(kFilled);
+    return;
+  }
   if (pose.position_m.hasNaN()) {
     if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
     pose.position_m.setConstant(kMissing);

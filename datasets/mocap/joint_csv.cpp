@@ -56,9 +56,10 @@ double unit_of(const std::vector<double>& times, const std::string& place,
   const auto unit = std::ranges::find_if(units, is_camera);
   if (unit == std::end(units))
     throw InputError(
-        place, fmt::format("time_s steps by {:g}, which is no camera's rate in seconds, milli-, micro- or "
-                           "nanoseconds; seconds are wanted",
-                           step));
+        place,
+        fmt::format("time_s steps by {:g}; in seconds, milliseconds, microseconds or nanoseconds that is "
+                    "not a camera's frame rate. Write time_s in seconds",
+                    step));
   taken_as.push_back(fmt::format("time_s goes from {:g} to {:g} in steps of {:g}: taken as {}, {:.4g} Hz",
                                  times.front(), times.back(), step, unit->second,
                                  1.0 / (step * unit->first)));
@@ -114,11 +115,9 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     Eigen::Vector3d position_m(number(2), number(3), number(4));
     if (!position_m.allFinite()) position_m.setConstant(kMissing);
     for (const double x_m : position_m)
-      if (std::abs(x_m) > kFarthest_m) {
+      if (std::abs(x_m) > kFarthest_m)
         far.add(x_m, [&] { return InputError(lines.place(), cells[places[1]] + ' ' + kTooFar); });
-        position_m.setConstant(kFilled);
-        break;
-      }
+    if (position_m.cwiseAbs().maxCoeff() > kFarthest_m) position_m.setConstant(kFilled);
     rows.push_back({time_s, joint->second, position_m});
   }
   far.end();
@@ -129,7 +128,9 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     if (times_s.empty() || times_s.back() < row.time_s) times_s.push_back(row.time_s);
   const double unit_s = unit_of(times_s, path.string(), positions.taken_as);
   positions.first_s = times_s.front() * unit_s;
-  if (!(std::max(std::abs(positions.first_s), std::abs(times_s.back() * unit_s)) <= kLatestCsv_s))
+  const double latest_s = std::max({std::abs(positions.first_s), std::abs(times_s.back() * unit_s),
+                                    (times_s.back() - times_s.front()) * unit_s});
+  if (!(latest_s <= kLatestCsv_s))
     throw InputError(path.string(),
                      fmt::format("has a time_s of {:g}, which no clock shows", times_s.back()));
   const auto since_first_ns = [&](double time_s) {

@@ -28,7 +28,7 @@ void remove_marked(Positions& position_m, MissingCounts& counts) {
 
 void remove_fill_values(std::vector<Positions>& position_m, std::vector<MissingCounts>& counts) {
   constexpr std::size_t kSample = 20'000;  // positions that median and radius are estimated from
-  constexpr double kMinRadius_m = 3.0, kRadii = 2.0, kHeld = 0.9;
+  constexpr double kMinRadius_m = 3.0, kRadii = 4.0;
   constexpr int kMinRepeats = 3;
   std::size_t all = 0, seen = 0;
   for (const Positions& positions : position_m) all += positions.size();
@@ -43,9 +43,7 @@ void remove_fill_values(std::vector<Positions>& position_m, std::vector<MissingC
   const Vector3d median_m(upper_median(axes[0]), upper_median(axes[1]), upper_median(axes[2]));
   for (std::size_t i = 0; i < distance_m.size(); ++i)
     distance_m[i] = (Vector3d(axes[0][i], axes[1][i], axes[2][i]) - median_m).norm();
-  const auto place = static_cast<std::ptrdiff_t>(kHeld * static_cast<double>(distance_m.size() - 1));
-  std::ranges::nth_element(distance_m, distance_m.begin() + place);
-  const double radius_m = std::max(kMinRadius_m, kRadii * distance_m[static_cast<std::size_t>(place)]);
+  const double radius_m = std::max(kMinRadius_m, kRadii * upper_median(distance_m));
   const auto is_far = [&](const Vector3d& p) { return (p - median_m).norm() > radius_m; };
   std::map<std::array<double, 3>, int> repeats;
   for (const Positions& positions : position_m)

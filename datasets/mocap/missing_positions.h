@@ -27,9 +27,10 @@ struct MissingCounts {
 // a third of the other assets change. Where the file has noise in its last digits (fewer than 2 % of the
 // others' steps are exactly zero), that is enough. Else what truly stands still repeats, too, such as a foot
 // on the floor: then the next position must lie 1 cm, and five of the asset's median steps, away. A lone
-// asset is judged by its own noise. Filled: beyond twice the radius about the median of all positions that
-// holds nine in ten of them, at least 3 m, and three times the same to the bit; and infinite ones, as readers
-// give numbers beyond 100 m that repeat.
+// asset is judged by its own noise.
+// Filled: three times the same to the bit, at least 3 m and four median distances from the median of all
+// positions, of which fewer than half may be filled; and infinite positions, which readers give for a number
+// beyond 100 m that repeats.
 std::vector<MissingCounts> remove_missing(std::span<const MocapTime> time,
                                           std::vector<std::vector<Eigen::Vector3d>>& position_m);
 

@@ -40,7 +40,7 @@ struct LikelyUp {
 };
 LikelyUp likely_up(const MocapSummary& summary);
 
-// Accumulates a summary frame by frame, without what is no measurement.
+// Accumulates a summary frame by frame; summarize_mocap() fills in the counts of `no_measurement`.
 class MocapSummarizer {
  public:
   explicit MocapSummarizer(const MocapHeader& header);

@@ -290,14 +290,18 @@ void verify_ends(const SessionReader& session, std::vector<Finding>& findings) {
   constexpr double kMinGap_s = 1.0;
   std::vector<std::optional<HostTime>> end_of_sensor(session.header().sensors.size());
   HostTime end{std::numeric_limits<std::int64_t>::min()};
-  for (std::size_t s = 0; s < end_of_sensor.size(); ++s)
-    for (const auto& [stream, frames] : {std::pair{FrameStream::bodies, session.counts(s).body_frames},
-                                         std::pair{FrameStream::depth, session.counts(s).depth_frames}}) {
+  for (std::size_t s = 0; s < end_of_sensor.size(); ++s) {
+    const SensorCounts& counts = session.counts(s);
+    if (counts.body_frames + counts.depth_frames == 0) continue;
+    const SensorClockMap host_from_sensor = fit_sensor_clock(session, s);
+    for (const auto& [stream, frames] : {std::pair{FrameStream::bodies, counts.body_frames},
+                                         std::pair{FrameStream::depth, counts.depth_frames}}) {
       if (frames == 0) continue;
-      const HostTime last = fit_sensor_clock(session, s)(session.stamps(s, stream, frames - 1, 1).front());
+      const HostTime last = host_from_sensor(session.stamps(s, stream, frames - 1, 1).front());
       end_of_sensor[s] = std::max(end_of_sensor[s].value_or(last), last);
       end = std::max(end, last);
     }
+  }
   for (std::size_t s = 0; s < end_of_sensor.size(); ++s) {
     if (!end_of_sensor[s]) continue;
     const SensorDescription& sensor = session.header().sensors[s];

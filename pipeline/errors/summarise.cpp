@@ -281,7 +281,7 @@ class Summary {
     for (const auto& groups : rows) {
       const std::vector<std::size_t> methods = competitors(errors, groups);
       if (methods.empty()) continue;
-      // Without an interval nothing tells the methods apart.
+      // The methods cannot be compared without an interval, so none is best.
       if (methods.size() > 1 && errors.mean_m(groups, methods.front(), 0).clusters < 2) continue;
       BestMethod best{condition,
                       groups.size() > 1 ? kAverageGroup : summary_.groups[groups[0]],

@@ -229,6 +229,13 @@ TEST(Missing, TheOriginAndFarValuesThatRepeatAre) {
   }
 }
 
+TEST(Missing, AThirdOfThePositionsMayBeFilled) {
+  std::vector<double> one = swinging_mm(kFrames, 1);
+  for (std::size_t i = 0; i < kFrames; ++i)
+    if (i % 10 < 6) one[i] = 9999.0;
+  EXPECT_EQ(missing_of_first(take_of({{"a", one}, {"b", swinging_mm(kFrames, 2)}})).filled, 240);
+}
+
 TEST(Missing, AFarValueThatComesOnceOrChangesIsRefused) {
   for (const std::vector<double>& far_mm : {std::vector{1e6}, std::vector{1e6, 2e6, 1e6}}) {
     std::vector<double> x_mm = swinging_mm(kFrames, 1);

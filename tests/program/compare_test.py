@@ -121,7 +121,7 @@ class Compare(Compared):
         said = self.compared(self.brought("mine.csv", lambda at, key: at + [0.03, 0, 0.04], self.time_s + 1.76e9))
         self.assertNotIn("1970", said)
         self.assertIn("5.00 (5.00 to 5.00)", said)
-        self.assertIn("is no camera's rate", self.compared(self.brought("mine.csv", lambda at, key: at, self.time_s * 1e14), code=2))
+        self.assertIn("not a camera's frame rate", self.compared(self.brought("mine.csv", lambda at, key: at, self.time_s * 1e14), code=2))
 
     def test_where_z_is_up_all_files_are_turned_alike_and_a_note_says_so(self):
         turned = {key: at[:, [0, 2, 1]] * [1, -1, 1] for key, at in self.truth.items()}

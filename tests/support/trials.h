@@ -16,8 +16,7 @@ inline std::uint64_t trials(std::uint64_t all) {
   return runs_all_trials() ? all : std::max<std::uint64_t>(all / 20, 2);
 }
 
-// By how much a share of `count` trials may lie beyond the limits of all trials: four standard errors, and
-// nothing when all are run.
+// Margin of a limit on a share: four standard errors of `count` trials; 0 when all trials run.
 inline double slack(double limit, std::uint64_t count) {
   return runs_all_trials() ? 0.0 : 4.0 * std::sqrt(limit * (1.0 - limit) / static_cast<double>(count));
 }

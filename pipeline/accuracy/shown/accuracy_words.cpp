@@ -116,7 +116,9 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
   std::vector<std::string> findings;
   for (const std::string& condition : s.conditions) {
     const BestMethod* best = find_best(s, condition, average_group(s));
-    if (!best && s.methods.size() > 1)
+    const bool is_answered = std::ranges::any_of(
+        s.cells, [&](const SummaryCell& c) { return c.condition == condition && c.answered > 0; });
+    if (!best && s.methods.size() > 1 && is_answered)
       findings.push_back(fmt::format("**{}**, {}: too short for an interval, so no method is called best.",
                                      condition, s.simulated ? "simulated" : "recorded"));
     const SummaryCell* cell =
