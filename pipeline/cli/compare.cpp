@@ -64,7 +64,7 @@ StudySpec study_of(const CompareArguments& a) {
                       {"version", 1},
                       {"kind", "accuracy"},
                       {"name", "compare"},
-                      {"alignments", {"none", "mean"}},
+                      {"alignments", {"none", "mean", "rigid"}},
                       {"truth_gap_s", std::max(0.055, 1.6 / rate_hz)},
                       {"rate_hz", rate_hz}},
                      "compare", {});
@@ -97,7 +97,9 @@ int compare(const CompareArguments& a) {
     fmt::print("results: {}\nnext: trilat report {} -o report\n", a.output.string(),
                shell_word(a.output.string()));
   }
-  return kDone;
+  const bool any_answered =
+      std::ranges::any_of(summary.cells, [](const SummaryCell& cell) { return cell.answered > 0; });
+  return any_answered ? kDone : kItemsFailed;
 }
 
 }  // namespace

@@ -96,8 +96,8 @@ class Compare(Compared):
             "late.csv": (still, self.time_s + 0.3, "starts (about )?0.30* s (\\S+ )*later"),
             "early.csv": (still, self.time_s - 0.3, "starts (about )?0.30* s (\\S+ )*earlier"),
             "slow.csv": (still, 2 * self.time_s, "runs 0.5 times as fast as the truth"),
-            "thousand.csv": (lambda at, key: at * 0.001, None, "lies 0.001 times as far apart"),
-            "axes.csv": (lambda at, key: at[:, [0, 2, 1]], None, "has other axes than the truth: read as \\(x, z, y\\)"),
+            "thousand.csv": (lambda at, key: at * 0.001, None, "is 0.001 times as large as the truth, as metres taken for millimetres: put right, .* falls from \\S+ to 0.0 cm"),
+            "axes.csv": (lambda at, key: at[:, [0, 2, 1]], None, "has other axes than the truth, read as \\(x, z, y\\), which mirrors it: put right"),
             "half.csv": (lambda at, key: np.where(np.arange(FRAMES)[:, None] < FRAMES // 2, at, np.nan), None,
                          "has no position for 50 %|holds 0.00 to"),
             "other.csv": (lambda at, key: walk(seed=9, person=1.3)[1][key] + [2, 0, 1], None, ".*is it the same take, and the same person"),
@@ -108,6 +108,49 @@ class Compare(Compared):
                 self.assertRegex(said, f"note: {name}: ({words})")
         sound = self.compared(self.brought("sound.csv", lambda at, key: at + np.random.default_rng(3).normal(0, 0.02, at.shape)))
         self.assertNotIn("note: sound", sound)
+
+    def test_what_turns_a_file_into_the_truth_is_named_with_what_is_left_of_the_error(self):
+        def turn(degrees, axis=(0, 1, 0)):
+            x, y, z = np.radians(degrees) * np.array(axis) / np.linalg.norm(axis)
+            across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+            return sum(np.linalg.matrix_power(across, n) / math.factorial(n) for n in range(24))
+        half, t = np.arange(FRAMES)[:, None] >= FRAMES // 2, self.time_s
+        as_it_is = lambda at, key: at
+        exchanged = lambda one, other: lambda at, key: self.truth[{one: other, other: one}.get(key, key)]
+        kinds = {
+            "another frame": ((lambda at, key: at @ turn(25).T + [1, 0, 2], t, "turned by -25 degrees about y and shifted by .*\"rigid\""),
+                              (lambda at, key: at @ turn(-70, (1, 2, 0)).T, t, "lies in another frame than the truth, turned by 70 degrees"),
+                              (lambda at, key: at + [0.5, 0, 0.4], t, "another frame than the truth, shifted by \\(-0.50, 0.00, -0.40\\) m"),
+                              (lambda at, key: at[:, [2, 0, 1]], t, "has other axes than the truth, read as \\(y, z, x\\): put right"),
+                              (lambda at, key: at * [1, 1, -1], t, "read as \\(x, y, -z\\), which mirrors it")),
+            "names": ((exchanged("ankle_left", "ankle_right"), t, "ankle_left and ankle_right exchanged"),
+                      (exchanged("head", "Marker 7"), t, "has head and Marker 7 exchanged")),
+            "rate": ((as_it_is, t * 30 / 25, "runs 0.833 times as fast as the truth: .*its stated rate by 1.2"),
+                     (as_it_is, t * 25 / 30, "runs 1.2 times as fast as the truth"),
+                     (as_it_is, t * 1.01, "runs 0.99 times as fast as the truth: .*its stated rate by 1.01"),
+                     (as_it_is, t * 0.9, "runs 1.11 times as fast as the truth: .*its stated rate by 0.9")),
+            "start": ((as_it_is, t - 40, "starts 40.00 s earlier than the truth: as it is they have no time in common"),
+                      (as_it_is, t + 2, "starts 2.00 s later than the truth.*Take 2.000 s from its times")),
+            "size": ((lambda at, key: at * 0.8, t, "is 0.8 times as large as the truth: .*Divide its numbers by 0.8"),
+                     (lambda at, key: at * 39.3701, t, "is 39.4 times as large as the truth, as inches taken for metres"),
+                     (lambda at, key: at * (0.001 if key == "ankle_left" else 1), t, "has ankle_left 0.001 times as far away as it is"),
+                     (lambda at, key: at * np.where(half, 0.1, 1), t, "is 0.1 times as large from 3.99 s on"),
+                     (lambda at, key: at * np.where(half, 1, 0.01), t, "is 0.01 times as large until 3.99 s, as metres taken for centimetres")),
+            "relative": ((lambda at, key: at - self.truth["head"], t, "gives positions relative to head"),
+                         (lambda at, key: at - (self.truth["ankle_left"] + self.truth["ankle_right"]) / 2, t,
+                          "gives positions relative to the middle of ankle_left and ankle_right")),
+            "flat": ((lambda at, key: at * [1, 1, 0], t, "has the same z in every row"),
+                     (lambda at, key: at * [1, 0, 1] + [0, 1, 0], t, "has the same y in every row"))}
+        noise, tried = np.random.default_rng(4), 0
+        for kind, variants in kinds.items():
+            for number, (change, times, words) in enumerate(variants):
+                name = f"mine.{('csv', 'trc')[number % 2]}"
+                with self.subTest(f"{kind} {number}"):
+                    said = self.compared(self.brought(name, lambda at, key: change(at, key) + noise.normal(0, 1e-4, at.shape) * (kind != "flat"), times),
+                                         code=1 if "40.00" in words else 0)
+                    self.assertRegex(said, f"note: {name}: .*{words}")
+                    tried += 1
+        self.assertEqual(tried, 22)
 
     def test_times_in_another_unit_or_since_1970_are_said_and_converted(self):
         for unit, begin, words in ((1e-3, 0, "taken as milliseconds, 50 Hz"), (1e-6, 0, "taken as microseconds"), (1e-9, 0, "taken as nanoseconds"),

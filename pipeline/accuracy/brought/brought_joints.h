@@ -47,9 +47,8 @@ std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& plan
 // The plan's points at a time since the take's first instant; NaN where it has none.
 void points_at(const BroughtTrack& brought, double since_s, std::span<Eigen::Vector3d> points);
 
-// Holds it against the truth, by name, at the instants: another unit, other axes, another rate, another
-// start, another person, an end before the truth's, holes; each note has its size and the remedy. Puts it at
-// the start that the motion shows where that is asked for.
+// Holds it against the truth, by name (fit_streams()), and looks for holes; each note has its size and the
+// remedy. Puts it at the start that the motion shows where that is asked for.
 std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned, const PointPath* truth,
                                     BroughtTrack& brought);
 

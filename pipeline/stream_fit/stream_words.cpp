@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/stream_fit/stream_words.h"
+
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "datasets/base/units.h"
+
+namespace trilat {
+namespace {
+
+// A cause with its size, and how it is undone.
+struct CauseText {
+  std::string what, remedy;
+};
+
+const char* unit_text(double factor) {
+  struct Unit {
+    double factor;
+    const char* text;
+  };
+  constexpr std::array kUnitNames{Unit{1000.0, ", as millimetres taken for metres"},
+                                  Unit{100.0, ", as centimetres taken for metres"},
+                                  Unit{10.0, ", as millimetres taken for centimetres"},
+                                  Unit{0.1, ", as centimetres taken for millimetres"},
+                                  Unit{0.01, ", as metres taken for centimetres"},
+                                  Unit{0.001, ", as metres taken for millimetres"},
+                                  Unit{39.3701, ", as inches taken for metres"},
+                                  Unit{3.28084, ", as feet taken for metres"},
+                                  Unit{0.0254, ", as metres taken for inches"},
+                                  Unit{0.3048, ", as metres taken for feet"}};
+  for (const Unit& unit : kUnitNames)
+    if (std::abs(factor / unit.factor - 1.0) < 1e-3) return unit.text;
+  return "";
+}
+
+CauseText size_text(const SizeChange& size, const StreamWords& words) {
+  const std::string factor = fmt::format("{:.3g}", size.factor);
+  const char* const unit = size.is_unit ? unit_text(size.factor) : "";
+  if (size.at_s) {
+    const std::string when =
+        size.until ? fmt::format("until {:.2f} s", *size.at_s) : fmt::format("from {:.2f} s on", *size.at_s);
+    return {fmt::format("is {} times as large {}{}", factor, when, unit),
+            fmt::format("divide its numbers {} by {}", when, factor)};
+  }
+  if (size.point)
+    return {fmt::format("has {} {} times as far away as it is{}", words.names[*size.point], factor, unit),
+            fmt::format("divide the numbers of {} by {}", words.names[*size.point], factor)};
+  return {fmt::format("is {} times as large as {}{}", factor, words.reference, unit),
+          fmt::format("divide its numbers by {}", factor)};
+}
+
+CauseText start_text(const StreamChange& change, const StreamWords& words) {
+  const char* const side = change.start_s > 0.0 ? "earlier" : "later";
+  return {
+      fmt::format("starts {:.2f} s {} than {}", std::abs(change.start_s), side, words.reference),
+      words.clock_is_applied
+          ? std::string("that start was applied")
+          : fmt::format("{} {:.3f} s {} its times, or let the motion say it: --clock-by-motion, \"clock\": "
+                        "\"motion\" beside the file",
+                        change.start_s > 0.0 ? "add" : "take", std::abs(change.start_s),
+                        change.start_s > 0.0 ? "to" : "from")};
+}
+
+CauseText rate_text(const StreamChange& change, const StreamWords& words) {
+  constexpr double kDrift = 0.006, kPartsPerMillion = 1e6;
+  const double stretch = change.stretch;
+  const std::string remedy =
+      fmt::format("multiply its times by {:.4f}, or its stated rate by {:.4g}", stretch, 1.0 / stretch);
+  if (std::abs(stretch - 1.0) < kDrift)
+    return {fmt::format("has a clock that runs {:.0f} ppm {} than that of {}",
+                        kPartsPerMillion * std::abs(1.0 / stretch - 1.0), stretch < 1.0 ? "faster" : "slower",
+                        words.reference),
+            remedy};
+  return {fmt::format("runs {:.3g} times as fast as {}", stretch, words.reference), remedy};
+}
+
+CauseText sides_text(const StreamChange& change, const StreamWords& words) {
+  std::vector<std::string> pairs;
+  const std::vector<std::size_t> mirrored = mirrored_points(words.names);
+  bool is_all = true, any_side = false;
+  for (std::size_t j = 0; j < change.order.size(); ++j) {
+    if (change.order[j] > j) pairs.push_back(words.names[j] + " and " + words.names[change.order[j]]);
+    is_all &= change.order[j] == mirrored[j];
+    any_side |= mirrored[j] != j;
+  }
+  if (is_all && any_side && pairs.size() > 1)
+    return {"has left and right exchanged", "exchange the names of both sides, or say so under \"mapping\""};
+  return {fmt::format("has {} exchanged", fmt::join(pairs, ", ")),
+          "exchange these names, or say so under \"mapping\""};
+}
+
+// "(x, z, -y)" for a matrix of signed axes.
+std::string axes_text(const Eigen::Matrix3d& axes) {
+  std::string text;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      if (axes(row, column) != 0.0)
+        text += fmt::format("{}{}{}", text.empty() ? "(" : ", ", axes(row, column) < 0.0 ? "-" : "",
+                            "xyz"[column]);
+  return text + ")";
+}
+
+std::string turn_text(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  const double degrees = kDegreesPerRad * turn.angle();
+  for (const int axis : {0, 1, 2})
+    if (constexpr double kAlong = 0.98; std::abs(turn.axis()[axis]) > kAlong)
+      return fmt::format("turned by {:.0f} degrees about {}", turn.axis()[axis] > 0.0 ? degrees : -degrees,
+                         "xyz"[axis]);
+  return fmt::format("turned by {:.0f} degrees", degrees);
+}
+
+CauseText frame_text(const StreamChange& change, const StreamWords& words) {
+  const bool has_axes = change.frame == FrameChange::axes || change.frame == FrameChange::axes_shifted;
+  std::vector<std::string> shift_m;
+  for (const double axis_m : change.shift_m)
+    shift_m.push_back(fmt::format("{:.2f}", std::abs(axis_m) < 0.005 ? 0.0 : axis_m));
+  const std::string shift =
+      change.frame == FrameChange::axes || change.frame == FrameChange::none || change.root
+          ? ""
+          : fmt::format("shifted by ({}) m", fmt::join(shift_m, ", "));
+  const char* const rigid = "compare it under the alignment \"rigid\"";
+  if (has_axes) {
+    const std::string axes = axes_text(change.rotation);
+    return {fmt::format("has other axes than {}, read as {}{}{}{}", words.reference, axes,
+                        change.mirrored ? ", which mirrors it" : "", shift.empty() ? "" : " and ", shift),
+            "write its x, y, z as " + axes};
+  }
+  if (change.mirrored)
+    return {fmt::format("is mirrored, in a frame {} and {}",
+                        turn_text(change.rotation * Eigen::DiagonalMatrix<double, 3>(-1.0, 1.0, 1.0)), shift),
+            "write its x as -x, and then " + std::string(rigid)};
+  if (change.frame == FrameChange::turned)
+    return {fmt::format("lies in another frame than {}, {}{}{}", words.reference, turn_text(change.rotation),
+                        shift.empty() ? "" : " and ", shift),
+            rigid};
+  return {fmt::format("lies in another frame than {}, {}", words.reference, shift), rigid};
+}
+
+CauseText root_text(const StreamChange& change, const StreamWords& words) {
+  const BodyRoot& root = *change.root;
+  const std::string name =
+      root.one == root.other
+          ? words.names[root.one]
+          : fmt::format("the middle of {} and {}", words.names[root.one], words.names[root.other]);
+  return {fmt::format("gives positions relative to {}", name),
+          "add where that was, or give both files relative to it"};
+}
+
+std::vector<CauseText> texts_of(const StreamChange& change, const StreamWords& words) {
+  std::vector<CauseText> texts;
+  const unsigned causes = causes_of(change);
+  for (const SizeChange& size : change.sizes) texts.push_back(size_text(size, words));
+  if (change.has_stretch) texts.push_back(rate_text(change, words));
+  if (change.has_start && std::abs(change.start_s) > 0.01) texts.push_back(start_text(change, words));
+  if ((causes & kSidesCause) != 0) texts.push_back(sides_text(change, words));
+  if (change.root) texts.push_back(root_text(change, words));
+  if (change.frame != FrameChange::none) texts.push_back(frame_text(change, words));
+  return texts;
+}
+
+std::string joined(const std::vector<CauseText>& texts, std::string CauseText::*part, const char* between) {
+  std::vector<std::string> parts;
+  for (const CauseText& text : texts) parts.push_back(text.*part);
+  return fmt::format("{}", fmt::join(parts, between));
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+std::string effect_text(const StreamFit& fit, const StreamWords& words) {
+  if (std::isnan(fit.before_m))
+    return fmt::format("as it is they have no time in common; put right, its mean distance is {:.1f} cm",
+                       kCentimetresPerMetre * fit.after_m);
+  return fmt::format("put right, its mean distance from {} falls from {:.1f} to {:.1f} cm", words.reference,
+                     kCentimetresPerMetre * fit.before_m, kCentimetresPerMetre * fit.after_m);
+}
+
+}  // namespace
+
+std::string stream_note(const StreamFit& fit, const StreamWords& words) {
+  switch (fit.status) {
+    case StreamFitStatus::too_few:
+    case StreamFitStatus::sound:
+      return {};
+    case StreamFitStatus::flat:
+      return fmt::format(
+          "has the same {} in every row: a result of two dimensions. Compare the other two axes alone, "
+          "with the same number in this one of {}",
+          "xyz"[fit.flat_axis], words.reference);
+    case StreamFitStatus::found: {
+      const std::vector<CauseText> texts = texts_of(fit.changes.front(), words);
+      return fmt::format("{}: {}. {}", joined(texts, &CauseText::what, ", and "), effect_text(fit, words),
+                         capitalised(joined(texts, &CauseText::remedy, "; ")));
+    }
+    case StreamFitStatus::one_of: {
+      std::vector<std::string> ways;
+      constexpr std::size_t kMaxWays = 4;
+      for (std::size_t k = 0; k < std::min(kMaxWays, fit.changes.size()); ++k)
+        ways.push_back(joined(texts_of(fit.changes[k], words), &CauseText::what, ", and "));
+      return fmt::format("{}{}: {}. The motion does not say which of these it is", fmt::join(ways, "; or "),
+                         fit.changes.size() > kMaxWays ? "; or others" : "", effect_text(fit, words));
+    }
+    case StreamFitStatus::unexplained:
+      return fmt::format(
+          "lies {:.0f} cm from {} in the mean, and none of these explains it: another unit, scale, start, "
+          "rate, "
+          "exchanged names, another frame; is it the same take, and the same person?",
+          kCentimetresPerMetre * fit.before_m, words.reference);
+  }
+  return {};
+}
+
+}  // namespace trilat

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/stream_fit/stream_fit.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/stream_fit/stream_words.h"
+#include "tests/pipeline/changed_streams.h"
+#include "tests/support/trials.h"
+
+namespace trilat {
+namespace {
+
+using testing_support::Change;
+using testing_support::changed_activities;
+using testing_support::ChangedStreamMaker;
+using testing_support::ChangedStreams;
+using testing_support::kChangeKinds;
+using testing_support::kind_of;
+
+StreamFit fit_of(const ChangedStreams& streams) {
+  return fit_streams({streams.reference, streams.subject}, streams.mirrored);
+}
+
+// A shift is part of a turn, and a turn part of a mirrored or a relative frame.
+unsigned kinds_of(unsigned causes) {
+  if ((causes & (kTurnCause | kMirrorCause | kRootCause)) != 0) causes &= ~kShiftCause;
+  if ((causes & (kMirrorCause | kRootCause)) != 0) causes &= ~kTurnCause;
+  return causes;
+}
+
+// right: the causes, or nothing where nothing is to be named. set: they are among those that are not told
+// apart. part: some of them. silent: nothing is named, or that nothing explains it. wrong: other causes.
+std::string verdict_of(const StreamFit& fit, unsigned wanted) {
+  const bool is_named = fit.status == StreamFitStatus::found || fit.status == StreamFitStatus::one_of;
+  if (!is_named) return wanted == 0 ? "right" : "silent";
+  const bool has = std::ranges::any_of(fit.changes, [&](const StreamChange& change) {
+    return kinds_of(causes_of(change)) == kinds_of(wanted);
+  });
+  if (has) return fit.status == StreamFitStatus::found ? "right" : "set";
+  const bool is_part = std::ranges::any_of(
+      fit.changes, [&](const StreamChange& change) { return (kinds_of(causes_of(change)) & ~wanted) == 0; });
+  return is_part ? "part" : "wrong";
+}
+
+// Causes of a change that show in what a person does: a clock in movements; and a point of the body that
+// stays where it is makes a relative frame a shifted one.
+unsigned causes_shown(Change change, const std::string& activity) {
+  const bool stays = activity == "standing" || activity == "arm_swing";
+  if (change == Change::root && stays) return kShiftCause;
+  constexpr unsigned kClockCauses = kStartCause | kRateCause;
+  const unsigned causes = kind_of(change).causes;
+  return activity == "standing" && (causes & kClockCauses) != 0 ? 0 : causes;
+}
+
+struct Tally {
+  std::map<std::string, int> counts;
+  std::vector<std::string> wrong;
+};
+
+void judge(Tally& tally, const std::vector<Change>& changes, const std::string& activity,
+           std::uint64_t seed) {
+  const bool drifts = std::ranges::find(changes, Change::drift) != changes.end();
+  ChangedStreamMaker maker(activity, seed, drifts ? 40.0 : 0.0);
+  const StreamFit fit = fit_of(maker.with(changes));
+  unsigned wanted = 0;
+  std::string text = activity + " " + std::to_string(seed);
+  for (const Change change : changes) {
+    text += std::string(", ") + kind_of(change).name;
+    wanted |= causes_shown(change, activity);
+  }
+  std::string verdict = verdict_of(fit, wanted);
+  if (changes == std::vector{Change::flat}) verdict = fit.status == StreamFitStatus::flat ? "right" : "wrong";
+  if (changes == std::vector{Change::other_person})
+    verdict = fit.status == StreamFitStatus::unexplained ? "right" : "wrong";
+  ++tally.counts[verdict];
+  for (const StreamChange& change : fit.changes) text += fmt::format(" | {:#x}", causes_of(change));
+  if (verdict == "wrong") tally.wrong.push_back(text);
+}
+
+void print(const char* title, const Tally& tally) {
+  std::string text;
+  for (const auto& [verdict, count] : tally.counts) text += fmt::format(" {} {}", count, verdict);
+  fmt::print("{}:{}\n", title, text);
+  for (const std::string& wrong : tally.wrong) fmt::print("  wrong: {}\n", wrong);
+}
+
+constexpr int kKinds = static_cast<int>(kChangeKinds.size());
+
+TEST(StreamFit, NamesEachChangeOfEachActivity) {
+  Tally all;
+  const int seeds = runs_all_trials() ? 5 : 1;
+  for (int kind = 0; kind < kKinds; ++kind) {
+    Tally tally;
+    for (std::size_t a = 0; a < changed_activities().size(); ++a) {
+      if (!runs_all_trials() && a != static_cast<std::size_t>(kind) % changed_activities().size()) continue;
+      for (int seed = 101; seed < 101 + seeds; ++seed)
+        judge(tally, {static_cast<Change>(kind)}, changed_activities()[a], static_cast<std::uint64_t>(seed));
+    }
+    print(kind_of(static_cast<Change>(kind)).name, tally);
+    for (const auto& [verdict, count] : tally.counts) all.counts[verdict] += count;
+    all.wrong.insert(all.wrong.end(), tally.wrong.begin(), tally.wrong.end());
+  }
+  print("all", all);
+  int sum = 0;
+  for (const auto& [verdict, count] : all.counts) sum += count;
+  EXPECT_GE(100 * (all.counts["right"] + all.counts["set"]), 85 * sum);
+  EXPECT_LE(100 * all.counts["wrong"], 4 * sum);
+}
+
+TEST(StreamFit, NamesTwoChangesTogether) {
+  const RandomStream random{7, Purpose::test, 3};
+  Tally tally;
+  const std::uint32_t pairs = runs_all_trials() ? 200 : 10;
+  for (std::uint32_t k = 0; k < pairs; ++k) {
+    constexpr std::array kKindsOfPairs{
+        std::array{Change::unit, Change::scale, Change::point_unit, Change::none},
+        std::array{Change::start, Change::rate, Change::none, Change::start},
+        std::array{Change::all_sides, Change::legs, Change::knees, Change::none},
+        std::array{Change::shift, Change::turn, Change::mirror, Change::axes}};
+    const auto draw = [&](std::uint32_t n, std::size_t count) {
+      return std::min(count - 1,
+                      static_cast<std::size_t>(random.uniform(5 * k + n) * static_cast<double>(count)));
+    };
+    const std::size_t one = draw(0, 4), other = (one + 1 + draw(1, 3)) % 4;
+    std::vector<Change> changes{kKindsOfPairs.at(one).at(draw(2, 4)), kKindsOfPairs.at(other).at(draw(3, 4))};
+    judge(tally, changes, changed_activities()[draw(4, changed_activities().size())], 300 + k);
+  }
+  print("pairs", tally);
+  EXPECT_LE(tally.counts["wrong"], static_cast<int>(pairs / 10));
+}
+
+TEST(StreamFit, SaysOfASizeWhatItIsAndWhatIsLeft) {
+  ChangedStreamMaker maker("walking", 1);
+  const ChangedStreams streams = maker.with({Change::turn});
+  const StreamFit fit = fit_of(streams);
+  ASSERT_EQ(fit.status, StreamFitStatus::found);
+  EXPECT_GT(fit.before_m, 0.2);
+  EXPECT_LT(fit.after_m, 0.07);
+  const std::string text = stream_note(fit, {.names = streams.names});
+  EXPECT_NE(text.find("degrees about y"), std::string::npos) << text;
+  EXPECT_NE(text.find("falls from"), std::string::npos) << text;
+  EXPECT_NE(text.find("alignment \"rigid\""), std::string::npos) << text;
+}
+
+TEST(StreamFit, GivesNoRemedyWhereSeveralChangesExplainTheSame) {
+  ChangedStreamMaker maker("arm_swing", 1);
+  const ChangedStreams streams = maker.with({Change::start});
+  const StreamFit fit = fit_of(streams);
+  ASSERT_EQ(fit.status, StreamFitStatus::one_of);
+  const std::string text = stream_note(fit, {.names = streams.names});
+  EXPECT_NE(text.find("; or starts"), std::string::npos) << text;
+  EXPECT_EQ(text.find("clock-by-motion"), std::string::npos) << text;
+}
+
+TEST(MirroredPoints, AreToldByNamesOfSeveralLanguages) {
+  const std::vector<std::size_t> mirrored = mirrored_points(
+      {"LKnee", "RKnee", "knee_left", "knee_right", "左膝", "右膝", "Hip", "hand+", "hand-", "Lamp"});
+  EXPECT_EQ(mirrored, (std::vector<std::size_t>{1, 0, 3, 2, 5, 4, 6, 8, 7, 9}));
+}
+
+}  // namespace
+}  // namespace trilat
