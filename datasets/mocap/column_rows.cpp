@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
 
@@ -67,6 +69,26 @@ void ColumnRows::check_promise(MocapAnomalies& anomalies) const {
   anomalies.frames_there = rows_;
 }
 
+// A file that was put together goes back once or twice; more often, its rows were shuffled.
+void ColumnRows::check_order() const {
+  constexpr std::int64_t kMaxSteps = 3, kRowsOfStep = 50;
+  if (steps_back_ > kMaxSteps && steps_back_ * kRowsOfStep > rows_)
+    throw InputError(lines_.place(), std::to_string(steps_back_) + " of " + std::to_string(rows_) +
+                                         " rows stand behind rows of later frames; sort the rows by frame");
+}
+
+void ColumnRows::check_times(const MocapAnomalies& anomalies) const {
+  constexpr std::int64_t kMinRows = 10;
+  if (rows_ < kMinRows || 2 * anomalies.printed_time_differs <= rows_) return;
+  const double rate_hz =
+      static_cast<double>(last_index_ - first_index_) / (last_printed_s_ - first_printed_s_);
+  throw InputError(
+      lines_.place(),
+      fmt::format("the times of {} of {} rows are more than a frame off what frame number and rate "
+                  "give: by the times the rate is {:.6g} Hz, and the header states {:.6g} Hz",
+                  anomalies.printed_time_differs, rows_, rate_hz, header_.export_rate_hz));
+}
+
 // A spreadsheet or script of another locale writes 0,02 for 0.02: then a row has nearly twice the cells.
 void ColumnRows::check_decimal_comma(std::string_view line) const {
   std::size_t written = 0;
@@ -115,6 +137,8 @@ bool ColumnRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
     if (read_row(line, frame, anomalies)) return true;
   }
   far_.end();
+  check_order();
+  check_times(anomalies);
   check_promise(anomalies);
   return false;
 }
@@ -188,7 +212,12 @@ bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
   if (rate_uhz_ == 0 && std::isnan(printed_s))
     throw InputError(lines_.place(),
                      "the row has no time, and the header states no frame rate to make it from");
-  if (!started_) first_printed_s_ = printed_s;
+  if (!started_) {
+    first_printed_s_ = printed_s;
+    first_index_ = previous_index_ = frame.index;
+  }
+  steps_back_ += frame.index < previous_index_ ? 1 : 0;
+  previous_index_ = frame.index;
   const bool advances =
       !started_ || (frame.index > last_index_ && (rate_uhz_ != 0 || printed_s > last_printed_s_));
   if (!advances) {

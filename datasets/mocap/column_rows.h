@@ -27,6 +27,8 @@ class ColumnRows {
   bool next_row(std::string_view& line);
   std::string_view with_commas(std::string_view line);
   void check_promise(MocapAnomalies& anomalies) const;
+  void check_order() const;
+  void check_times(const MocapAnomalies& anomalies) const;
   void check_decimal_comma(std::string_view line) const;
   bool read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies);
   std::int64_t read_index(std::string_view line) const;
@@ -50,6 +52,8 @@ class ColumnRows {
   std::int64_t rows_ = 0;      // read so far
   bool started_ = false;
   std::int64_t last_index_ = 0;
+  std::int64_t first_index_ = 0, previous_index_ = 0;  // of the first row, and of the row before
+  std::int64_t steps_back_ = 0;                        // rows whose frame is before that of the row before
   double first_printed_s_ = kMissing;
   double last_printed_s_ = kMissing;
   FarNumbers far_;

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/text_output.h"
@@ -33,25 +35,76 @@ bool is_numbers_only(std::string_view line) {
          parse_cell(cells[1], time_s) == CellKind::number;
 }
 
+// How files of other systems begin, and what to do with them.
+struct OtherFormat {
+  std::string_view begins;
+  const char* text;
+};
+constexpr OtherFormat kOtherFormats[] = {
+    {"NO_OF_", "is Qualisys' TSV, which is not read; export C3D from Qualisys Track Manager instead"},
+    {"FILE_VERSION", "is Qualisys' TSV, which is not read; export C3D from Qualisys Track Manager instead"},
+    {"Trajectories", "is a CSV of Vicon Nexus, which is not read; export C3D or TRC instead"},
+    {"Model Outputs", "is a CSV of Vicon Nexus, which is not read; export C3D or TRC instead"},
+    {"Devices", "is a CSV of Vicon Nexus, which is not read; export C3D or TRC instead"},
+    {"HIERARCHY", "is BVH, whose joints are angles; export positions instead, as TRC or CSV"},
+    {"Coordinates", "is a motion of OpenSim, whose joints are angles; write the markers as TRC instead"},
+    {"<?xml", "is XML, such as Xsens' MVNX; export positions instead, as C3D, TRC or CSV"},
+    {"{",
+     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
+     "trilat.convert azure-kinect` makes one of offline_processor's JSON"},
+    {"[",
+     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
+     "trilat.convert azure-kinect` makes one of offline_processor's JSON"},
+    {"Format Version;", "has semicolons between its cells; save the file with commas"},
+    {"\xFF\xFE", "is text in UTF-16; save the file as UTF-8"},
+    {"\xFE\xFF", "is text in UTF-16; save the file as UTF-8"},
+    {"PK\x03\x04", "is a spreadsheet or an archive; save the table as CSV"},
+    {"\x1F\x8B", "is compressed; unpack it first"},
+    {"\x89HDF", "is HDF5, as a session is, and no motion capture"},
+    {"\x93NUMPY", "is an array of numpy; write it with write_joints() of the Python package"}};
+constexpr const char* kKnownFormats =
+    "is neither motion capture (Motive's CSV, which begins with \"Format Version,1.2\", or TRC) nor a CSV of "
+    "joints, whose first row is time_s,joint,x_m,y_m,z_m";
+
+// Three columns a joint: "time,nose_x,nose_y,nose_z".
+bool is_wide_table(const std::vector<std::string>& names) {
+  std::size_t triples = 0;
+  for (std::size_t c = 0; c + 2 < names.size(); ++c) {
+    const auto ends_as = [&](std::size_t column, char lower) {
+      const std::string& name = names[column];
+      return name.size() > 1 && (name.back() | 0x20) == lower &&
+             name.substr(0, name.size() - 1) == names[c].substr(0, names[c].size() - 1);
+    };
+    triples += ends_as(c, 'x') && ends_as(c + 1, 'y') && ends_as(c + 2, 'z');
+  }
+  return triples > 0;
+}
+
 [[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
+  for (const OtherFormat& format : kOtherFormats)
+    if (line.starts_with(format.begins)) throw InputError(place, format.text);
+  if (line.size() > 1 && (line[0] == '\0' || line[1] == '\0'))
+    throw InputError(place, "is text in UTF-16; save the file as UTF-8");
   if (is_numbers_only(line))
     throw InputError(place,
                      "the file begins with data and has no header, so that unit, rate and names are unknown; "
                      "when it is Motive's, export it again with the header switched on. Bodies of a Kinect "
                      "belong into a session: `python3 -m trilat.convert` makes one");
-  if (line.starts_with("NO_OF_") || line.starts_with("FILE_VERSION"))
-    throw InputError(place, "Qualisys' TSV is not read; export C3D from Qualisys Track Manager instead");
-  if (line.starts_with('{') || line.starts_with('['))
-    throw InputError(place,
-                     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
-                     "trilat.convert azure-kinect` makes one of offline_processor's JSON");
-  if (line.starts_with("Format Version;"))
-    throw InputError(place, "the cells are separated by semicolons; save the file with commas");
-  if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
-    throw InputError(place, "the text is UTF-16; save the file as UTF-8");
-  throw InputError(place,
-                   "this is not a motion capture file that can be read; known are Motive's CSV, which begins "
-                   "with \"Format Version,1.2…\", and TRC (\"PathFileType\")");
+  constexpr std::string_view kSeparators = ";\t";
+  for (const char separator : kSeparators)
+    if (line.find(separator) != std::string_view::npos && line.find("time") != std::string_view::npos)
+      throw InputError(place, fmt::format("has {} between its cells; save the file with commas",
+                                          separator == ';' ? "semicolons" : "tabs"));
+  if (line.find('\r') != std::string_view::npos)
+    throw InputError(place, "ends its lines by carriage returns alone; save it with line feeds");
+  throw InputError(place, kKnownFormats);
+}
+
+[[noreturn]] void refuse_wide_table(const std::vector<std::string>& names, const std::string& place) {
+  throw InputError(
+      place, fmt::format("has three columns a joint ({}, ...); write a row for each time and joint "
+                         "instead, with the columns time_s,joint,x_m,y_m,z_m",
+                         fmt::join(std::span(names).first(std::min<std::size_t>(4, names.size())), ", ")));
 }
 
 // By its first two bytes: the block of the parameters, and a key.
@@ -89,7 +142,8 @@ bool begins_as_mocap(const std::filesystem::path& path) {
   std::string_view line;
   if (!lines.next(line)) return false;
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-  return line.starts_with(kMotiveStart) || is_trc(line) || is_arena(line);
+  return line.starts_with(kMotiveStart) || is_trc(line) ||
+         (is_arena(line) && !is_wide_table(split_csv(line)));
 }
 
 MocapReader::MocapReader(const std::filesystem::path& path, std::size_t block_bytes) {
@@ -104,10 +158,15 @@ MocapReader::MocapReader(const std::filesystem::path& path, std::size_t block_by
       header_.assets[i].column = std::ranges::min(columns.layout.columns[i]) + 1;
     rows_ = std::make_unique<ColumnRows>(*lines_, header_, std::move(columns.layout));
   };
-  if (split_csv(line).front() == kMotiveStart) {
+  const std::vector<std::string> names = split_csv(line);
+  if (names.front() == kMotiveStart) {
     read_columns(read_motive_header(*lines_, line));
   } else if (is_trc(line)) {
-    read_columns(read_trc_header(*lines_, line));
+    ColumnHeader columns = read_trc_header(*lines_, line);
+    settle_trc_rate(path, columns.header);
+    read_columns(std::move(columns));
+  } else if (is_wide_table(names)) {
+    refuse_wide_table(names, lines_->place());
   } else if (is_arena(line)) {
     refuse_with_converter(path, "in the rows of Arena and Tracking Tools", "arena");
   } else {
@@ -141,6 +200,7 @@ MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t
     result.time.push_back(frame.time);
     for (const std::size_t asset : assets) result.position_m[asset].push_back(frame.poses[asset].position_m);
   }
+  if (!result.header.taken_as.empty()) result.taken_as.push_back(result.header.taken_as);
   result.missing = remove_missing(result.time, result.position_m);
   result.anomalies = reader.anomalies();
   return result;

@@ -58,6 +58,7 @@ struct MocapHeader {
   LengthUnit length_unit = LengthUnit::metre;
   std::string coordinate_space = "Global";
   std::int64_t first_frame = 0;
+  std::string taken_as;  // what is read in another way than the header states, a sentence; empty: nothing
   std::vector<MocapAsset> assets;
 
   // Whether this program simulated it. A recorded take of somebody who simulates a fall has a start time.

@@ -2,8 +2,12 @@
 #include "datasets/mocap/trc_header.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/csv_cell.h"
@@ -34,6 +38,8 @@ Cells tab_cells(std::string_view line) {
 Cells next_cells(LineReader& lines, const char* what) {
   std::string_view line;
   if (!lines.next(line)) throw InputError(lines.place(), std::string("the file ends before ") + what);
+  if (line.find('\t') == std::string_view::npos && line.find(',') != std::string_view::npos)
+    throw InputError(lines.place(), "has commas between its cells; tabs must stand there");
   if (line.find('\t') == std::string_view::npos && line.find(' ') != std::string_view::npos)
     throw InputError(lines.place(), "has blanks between its cells; tabs must stand there");
   return tab_cells(line);
@@ -108,7 +114,9 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   Cells values = next_cells(lines, "the values of the header");
   const HeaderKeys header(values_of(std::move(keys), std::move(values)), lines.place());
   result.header.format = "TRC";
-  result.header.export_rate_hz = header.stated_rate_hz("DataRate");
+  double stated_hz = kMissing;
+  const bool is_zero = parse_cell(header.text("DataRate"), stated_hz) == CellKind::number && stated_hz == 0.0;
+  if (!is_zero) result.header.export_rate_hz = header.rate_hz("DataRate");
   result.header.total_exported_frames = header.stated_count("NumFrames", kHighestFrame);
   result.header.length_unit = header.length_unit("Units");
   const auto stated = static_cast<std::size_t>(header.stated_count("NumMarkers", kMostMarkers));
@@ -118,6 +126,40 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   add_markers(names, result);
   skip_axes(lines);
   return result;
+}
+
+void settle_trc_rate(const std::filesystem::path& path, MocapHeader& header) {
+  constexpr std::size_t kRows = 300, kReadBytes = 1 << 20;
+  constexpr double kDiffers = 0.02;
+  LineReader lines(path, kReadBytes);
+  std::vector<std::pair<std::int64_t, double>> rows;  // frame and time
+  bool is_below_names = false;
+  for (std::string_view line; rows.size() < kRows && lines.next(line);) {
+    is_below_names |= line.starts_with("Frame");
+    if (!is_below_names) continue;
+    const Cells cells = tab_cells(line);
+    std::int64_t frame = 0;
+    double time_s = 0.0;
+    if (cells.size() < kFirst + 1 || !parse_integer(cells[0], frame) ||
+        parse_cell(cells[1], time_s) != CellKind::number)
+      continue;
+    if (!rows.empty() && (frame <= rows.back().first || time_s <= rows.back().second)) break;
+    rows.emplace_back(frame, time_s);
+  }
+  const double stated_hz = header.export_rate_hz;
+  if (rows.size() < 2) {
+    if (std::isnan(stated_hz))
+      throw InputError(path.string(), "states no DataRate of 1 to 9000 Hz, and its rows have no times");
+    return;
+  }
+  const double frames = static_cast<double>(rows.back().first - rows.front().first);
+  const double span_s = rows.back().second - rows.front().second;
+  if (std::abs(stated_hz * span_s / frames - 1.0) <= kDiffers) return;
+  header.export_rate_hz = kMissing;
+  const double rate_hz = static_cast<double>(rows.size() - 1) / span_s;
+  header.taken_as = fmt::format(
+      "its rows are {:.4g} s apart, {:.4g} Hz, and its header states {}: the times count", 1.0 / rate_hz,
+      rate_hz, std::isnan(stated_hz) ? "no rate" : fmt::format("{:.4g} Hz", stated_hz));
 }
 
 }  // namespace trilat

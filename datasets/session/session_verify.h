@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ struct VerifyOptions {
 // an exception. `progress` is called with the share done, in [0, 1].
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress = {});
+
+// What is wrong with the length of a sensor's ticks: its frames come less than once or more than 300 times a
+// second. Empty for fewer than three frames.
+std::optional<std::string> odd_ticks_text(const SessionReader& session, std::size_t sensor);
 
 // Every sensor has frames of bodies, and none of them holds a body.
 bool sees_nobody(const SessionReader& session);

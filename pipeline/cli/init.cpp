@@ -56,9 +56,9 @@ std::string plain_id(const std::string& name) {
   return id;
 }
 
-// Two names may give one id: "Müller" and "Möller".
-void number_equal_ids(std::vector<FoundTake>& takes, std::vector<std::string>& notes) {
-  std::set<std::string> taken;
+// Two names may give one id: "Müller" and "Möller". `taken`: ids that are there already.
+void number_equal_ids(std::vector<FoundTake>& takes, std::set<std::string> taken,
+                      std::vector<std::string>& notes) {
   for (FoundTake& found : takes) {
     const std::string id = found.take.id;
     for (int number = 2; !taken.insert(found.take.id).second; ++number)
@@ -104,12 +104,26 @@ bool is_mocap(const fs::path& file) {
   return begins_as_mocap(file) && !MocapReader(file).header().assets.empty();
 }
 
+// A table beside a recording that is in no format that is read.
+void note_unread(const fs::path& file, Found& found) {
+  if (!std::set<std::string>{".csv", ".trc", ".tsv", ".c3d"}.contains(file.extension().string())) return;
+  try {
+    if (!is_joint_csv(file)) MocapReader reader(file);
+  } catch (const InputError& error) {
+    const std::string text = fmt::format("left out, no motion capture: {}", error.what());
+    if (std::ranges::find(found.notes, text) == found.notes.end()) found.notes.push_back(text);
+  }
+}
+
 // The motion capture beside a recording: of the same name, else the one called mocap, else the only one
 // beside the only recording.
 fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sessions, Found& found) {
   std::vector<fs::path> all;
   for (const auto& file : fs::directory_iterator(session.parent_path()))
-    if (is_mocap(file.path())) all.push_back(file.path());
+    if (is_mocap(file.path()))
+      all.push_back(file.path());
+    else
+      note_unread(file.path(), found);
   std::ranges::sort(all);
   for (const fs::path& stem : {session.stem(), fs::path("mocap")})
     if (const auto one = std::ranges::find(all, stem, &fs::path::stem); one != all.end()) return *one;
@@ -162,14 +176,22 @@ FoundTake take_of(const SessionReader& reader, const fs::path& session, const In
   return found;
 }
 
-Found look_around(const InitArguments& arguments) {
+// `known`: takes that the campaign has already, which stay as they are.
+Found look_around(const InitArguments& arguments, const std::vector<Take>& known) {
   Found found;
-  std::vector<fs::path> sessions;
+  std::vector<fs::path> sessions, new_sessions;
   std::map<fs::path, FoundTake> takes;
+  std::set<fs::path> known_sessions;
+  std::set<std::string> known_ids;
+  for (const Take& take : known) {
+    known_sessions.insert(fs::weakly_canonical(take.session));
+    known_ids.insert(take.id);
+  }
   for (const fs::path& file : files_below(arguments.folder, {".h5"})) try {
       const SessionReader reader(file);
       takes.emplace(file, take_of(reader, file, arguments));
       sessions.push_back(file);
+      if (!known_sessions.contains(fs::weakly_canonical(file))) new_sessions.push_back(file);
     } catch (const InputError& error) {
       found.notes.push_back(fmt::format("left out, no recording: {}", error.what()));
     }
@@ -177,7 +199,7 @@ Found look_around(const InitArguments& arguments) {
     throw InputError(arguments.folder.string(),
                      "holds no recording (session.h5); `trilat record` makes one, and python3 -m "
                      "trilat.convert one of somebody else's");
-  for (const fs::path& session : sessions) {
+  for (const fs::path& session : new_sessions) {
     Take& take = takes.at(session).take;
     take.calibration = nearest_file("calibration.json", session.parent_path(), arguments.folder);
     if (take.calibration.empty())
@@ -202,9 +224,9 @@ Found look_around(const InitArguments& arguments) {
     }
     found.takes.push_back(takes.at(session));
   }
-  number_equal_ids(found.takes, found.notes);
+  number_equal_ids(found.takes, known_ids, found.notes);
   const auto in_top = [&](const fs::path& session) { return session.parent_path() == arguments.folder; };
-  if (std::ranges::count_if(sessions, in_top) > 1)
+  if (known.empty() && std::ranges::count_if(sessions, in_top) > 1)
     found.notes.push_back(
         fmt::format("{}: its recordings lie in one folder, so each is taken for another participant, called "
                     "as the file is; if one person made several, give each participant a folder",
@@ -266,26 +288,64 @@ void find_starts(const InitArguments& arguments, Found& found) {
   }
 }
 
-Json study_of(const InitArguments& arguments, const Found& found) {
-  const auto with_mocap = [](const FoundTake& f) { return !f.take.mocap.empty(); };
-  const bool all_three = std::ranges::all_of(found.takes, [](const FoundTake& f) { return f.sensors >= 3; });
+// The alignments of a study: without motion capture, with sensors in its world, and with sensors in another.
+const std::vector<std::string>& no_mocap_alignments() {
+  static const std::vector<std::string> list{"none"};
+  return list;
+}
+const std::vector<std::string>& placed_alignments() {
+  static const std::vector<std::string> list{"none", "joint_offset", "rigid"};
+  return list;
+}
+const std::vector<std::string>& unplaced_alignments() {
+  static const std::vector<std::string> list{"rigid"};
+  return list;
+}
+
+Json made_study(const std::string& name, const std::vector<std::string>& alignments, bool has_three_sensors) {
   Json methods = Json::array();
-  if (all_three)
+  if (has_three_sensors)
     for (const char* method : {"linear", "geometric", "nonlinear"}) methods.push_back({{"method", method}});
   for (const char* method : {"single", "mean", "median", "range_bearing", "rts", "window"})
     methods.push_back({{"method", method}});
-  Json study{{"format", "trilat.study"}, {"version", 1}, {"kind", "accuracy"}, {"name", arguments.name}};
+  return {{"format", "trilat.study"}, {"version", 1},
+          {"kind", "accuracy"},       {"name", name},
+          {"alignments", alignments}, {"reference", has_three_sensors ? "nonlinear" : "mean"},
+          {"methods", methods}};
+}
+
+Json study_of(const InitArguments& arguments, const Found& found) {
+  const auto with_mocap = [](const FoundTake& f) { return !f.take.mocap.empty(); };
+  const bool all_three = std::ranges::all_of(found.takes, [](const FoundTake& f) { return f.sensors >= 3; });
   const bool all_placed = std::ranges::all_of(
       found.takes, [&](const FoundTake& f) { return !with_mocap(f) || is_in_mocap_world(f.take); });
-  if (std::ranges::none_of(found.takes, with_mocap))
-    study["alignments"] = {"none"};
-  else if (all_placed)
-    study["alignments"] = {"none", "joint_offset", "rigid"};
+  return made_study(arguments.name,
+                    std::ranges::none_of(found.takes, with_mocap) ? no_mocap_alignments()
+                    : all_placed                                  ? placed_alignments()
+                                                                  : unplaced_alignments(),
+                    all_three);
+}
+
+// Whether init wrote a study, and nobody has edited it since.
+bool is_made(const Json& study) {
+  const std::string name = study.is_object() && study.contains("name") && study["name"].is_string()
+                               ? study["name"].get<std::string>()
+                               : "";
+  for (const auto& alignments : {no_mocap_alignments(), placed_alignments(), unplaced_alignments()})
+    for (const bool has_three_sensors : {false, true})
+      if (study == made_study(name, alignments, has_three_sensors)) return true;
+  return false;
+}
+
+// Keeps a study that somebody has edited.
+void write_study(const InitArguments& arguments, Found& found) {
+  const fs::path file = arguments.folder / "study.json";
+  if (found.takes.empty() && fs::exists(file)) return;
+  if (!fs::exists(file) || is_made(parse_json(read_file(file), file.string())))
+    write_file(file, json_text(study_of(arguments, found), 2) + "\n");
   else
-    study["alignments"] = {"rigid"};
-  study["reference"] = all_three ? "nonlinear" : "mean";
-  study["methods"] = methods;
-  return study;
+    found.notes.push_back(file.string() +
+                          ": differs from what init writes, and is kept; delete it for a new one");
 }
 
 // Prints mapping.json, and on stderr which joints are not in it.
@@ -311,10 +371,12 @@ int init(const InitArguments& given) {
   if (!fs::is_directory(arguments.folder))
     throw InputError(arguments.folder.string(), "must be the folder that holds the recordings");
   if (arguments.name.empty()) arguments.name = fs::canonical(arguments.folder).filename().string();
-  for (const char* name : {"campaign.json", "study.json"})
-    if (fs::exists(arguments.folder / name) && !arguments.force)
-      throw InputError((arguments.folder / name).string(), "is there already; --force replaces it");
-  Found found = look_around(arguments);
+  Campaign campaign;
+  campaign.name = arguments.name;
+  if (fs::exists(arguments.folder / "campaign.json") && !arguments.force)
+    campaign = read_campaign(arguments.folder);
+  const std::size_t known = campaign.takes.size();
+  Found found = look_around(arguments, campaign.takes);
   Json paths = Json::array();
   for (const FoundTake& f : found.takes) paths.push_back(f.take.session.string());
   exact_json_text(paths, 0);  // before anything is written
@@ -327,13 +389,17 @@ int init(const InitArguments& given) {
     if (!found.mapping.joints.empty()) fs::remove(mapping);  // nothing is left of what did not work out
     throw;
   }
-  Campaign campaign;
-  campaign.name = arguments.name;
-  campaign.simulated = std::ranges::any_of(found.takes, &FoundTake::simulated);
+  campaign.simulated |= std::ranges::any_of(found.takes, &FoundTake::simulated);
   for (const FoundTake& f : found.takes) campaign.takes.push_back(f.take);
-  write_campaign(arguments.folder, campaign);
-  read_campaign(arguments.folder);  // says what of the names cannot be
-  write_file(arguments.folder / "study.json", json_text(study_of(arguments, found), 2) + "\n");
+  if (!found.takes.empty()) {
+    write_campaign(arguments.folder, campaign);
+    read_campaign(arguments.folder);  // says what of the names cannot be
+  }
+  write_study(arguments, found);
+  if (known > 0)
+    found.notes.push_back(fmt::format("{}: has {} takes from before, which stay as they are; {} are new",
+                                      (arguments.folder / "campaign.json").string(), known,
+                                      found.takes.size()));
   Json takes = Json::array();
   for (const auto& [take, sensors, simulated, start] : found.takes)
     takes.push_back(

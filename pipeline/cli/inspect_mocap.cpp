@@ -86,6 +86,7 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
                up.spread_m.y(), up.spread_m.z());
   if (s.index_gaps > 0)
     fmt::print("{} gaps in the frame numbers, {} frames missing\n", s.index_gaps, s.skipped_frames);
+  if (!header.taken_as.empty()) fmt::print("odd: {}\n", header.taken_as);
   print_anomalies(a);
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const MissingCounts& counts = s.assets[i].no_measurement;

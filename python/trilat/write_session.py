@@ -15,6 +15,8 @@ from trilat.skeleton import JOINT_COUNT
 DEPTH_SHAPE = (424, 512)  # rows, columns
 MOST_BODIES = 6           # of a frame
 MOST_SENSORS = 64
+SLOWEST_HZ, FASTEST_HZ = 1.0, 100.0  # of a Kinect's frames, which come 30 times a second
+TICKS_NS = (100, 1, 1000, 1_000_000)  # of clocks that count in 100 ns, ns, us and ms
 # A typical Kinect v2, for recordings that do not say their own.
 TYPICAL_INTRINSICS = {"fx_px": 365.456, "fy_px": 365.456, "cx_px": 254.878, "cy_px": 205.395,
                       "k1": 0.0905, "k2": -0.2682, "k3": 0.0951, "p1": 0.0, "p2": 0.0}
@@ -59,6 +61,19 @@ class SensorFrames:
     latency_ns: int = 0
 
 
+def _check_ticks(name: str, ticks: np.ndarray, tick_ns: int) -> None:
+    """InputError for ticks that are no Kinect's: then a tick has another length."""
+    if len(ticks) < 3:
+        return
+    rate_hz = {of: 1e9 / (of * np.median(np.diff(ticks))) for of in (tick_ns, *TICKS_NS)}
+    if SLOWEST_HZ <= rate_hz[tick_ns] <= FASTEST_HZ:
+        return
+    right = next((of for of in TICKS_NS if SLOWEST_HZ <= rate_hz[of] <= FASTEST_HZ), None)
+    remedy = f"with tick_ns={right} it has {rate_hz[right]:.4g}" if right else "write device_ticks in a unit that tick_ns states"
+    raise InputError(f"sensor {name}", f"has {rate_hz[tick_ns]:.6g} frames a second by device_ticks of {tick_ns} ns, where a Kinect "
+                                       f"makes 30; {remedy}")
+
+
 def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """The tables of frames and of bodies, checked."""
     def column(values: object, default: np.ndarray, what: str) -> np.ndarray:
@@ -72,6 +87,7 @@ def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[st
     frame = column(s.frame, np.zeros(bodies, np.uint64), "frame").astype(np.int64)
     if (np.diff(ticks) <= 0).any():
         raise InputError(f"sensor {name}", f"device_ticks do not rise after frame {int(np.argmax(np.diff(ticks) <= 0))}")
+    _check_ticks(name, ticks, s.tick_ns)
     if bodies and ((np.diff(frame) < 0).any() or frame[0] < 0 or frame[-1] >= len(ticks)):
         raise InputError(f"sensor {name}", f"frame must rise from 0 to at most {len(ticks) - 1}")
     counts = np.bincount(frame, minlength=len(ticks))

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Truth that is nothing but markers: TRC.
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -137,8 +141,87 @@ TEST(TrcReader, SaysThatTabsMustStandBetweenTheCells) {
   EXPECT_THAT(marker_refusal(text), AllOf(HasSubstr(":2"), HasSubstr("tabs must stand there")));
 }
 
-TEST(MarkerReaders, AQualisysTsvIsRefusedWithWhatToDo) {
-  EXPECT_THAT(marker_refusal("NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\n"), HasSubstr("is not read; export C3D"));
+std::string made_rows(std::size_t count, const std::function<std::pair<int, double>(int)>& frame_and_time) {
+  std::string rows;
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    const auto [frame, time_s] = frame_and_time(i);
+    rows += fmt::format("{}\t{:.4f}\t{}\t2\t3\t4\t5\t6\n", frame, time_s, i);
+  }
+  return trc_text(rows, "mm", std::to_string(count));
+}
+
+TEST(TrcReader, TimesInTheFileWinOverARateThatContradictsThem) {
+  const MocapTake wrong = marker_take(made_rows(40, [](int i) { return std::pair{i + 1, 0.02 * i}; }));
+  EXPECT_EQ((wrong.frames[3].time - wrong.frames[0].time).ns, 60'000'000);
+  EXPECT_EQ(wrong.header.taken_as,
+            "its rows are 0.02 s apart, 50 Hz, and its header states 100 Hz: the times count");
+  // every second frame under its old number, and the rate of what is left
+  const MocapTake halved = marker_take(made_rows(40, [](int i) { return std::pair{2 * i + 1, 0.01 * i}; }));
+  EXPECT_EQ((halved.frames[3].time - halved.frames[0].time).ns, 30'000'000);
+  std::string text = made_rows(40, [](int i) { return std::pair{i + 1, 0.04 * i}; });
+  text.replace(text.find("\n100\t"), 5, "\n0\t");
+  const MocapTake unstated = marker_take(text);
+  EXPECT_EQ((unstated.frames[3].time - unstated.frames[0].time).ns, 120'000'000);
+  EXPECT_THAT(unstated.header.taken_as, HasSubstr("25 Hz, and its header states no rate"));
+  const MocapTake right = marker_take(made_rows(40, [](int i) { return std::pair{i + 7, 0.01 * i}; }));
+  EXPECT_EQ(right.header.taken_as, "");
+  const MocapTake rounded = marker_take(made_rows(300, [](int i) {
+    return std::pair{i + 1, 0.001 * std::floor(10.0 * i)};
+  }));
+  EXPECT_EQ(rounded.header.taken_as, "");
+}
+
+TEST(TrcReader, RefusesTimesThatDriftAwayFromTheRate) {
+  EXPECT_THAT(
+      marker_refusal(made_rows(2000,
+                               [](int i) {
+                                 return std::pair{i + 1, 0.0101 * i};
+                               })),
+      HasSubstr("rows are more than a frame off what frame number and rate give: by the times the rate is "
+                "99.0099 Hz, and the header states 100 Hz"));
+}
+
+TEST(TrcReader, RefusesRowsThatAreShuffledAndCountsThoseThatRepeat) {
+  EXPECT_THAT(marker_refusal(made_rows(60,
+                                       [](int i) {
+                                         return std::pair{i * 7 % 60 + 1, 0.01 * (i * 7 % 60)};
+                                       })),
+              HasSubstr("of 60 rows stand behind rows of later frames; sort the rows by frame"));
+  const MocapTake twice = marker_take(made_rows(60, [](int i) {
+    return std::pair{i / 2 + 1, 0.01 * (i / 2)};
+  }));
+  EXPECT_EQ(twice.anomalies.repeated_frames, 30);
+  const MocapTake joined = marker_take(made_rows(60, [](int i) {
+    return std::pair{i % 30 + 1, 0.01 * (i % 30)};
+  }));
+  EXPECT_EQ(joined.anomalies.repeated_frames, 30);
+}
+
+TEST(TrcReader, SaysThatCommasAreNoTabs) {
+  std::string text = trc_text(kTrcRows);
+  std::ranges::replace(text, '\t', ',');
+  EXPECT_THAT(marker_refusal(text), AllOf(HasSubstr(":2"), HasSubstr("has commas between its cells; tabs")));
+}
+
+TEST(MarkerReaders, FilesOfOtherSystemsAreRefusedByTheirNames) {
+  const std::pair<std::string, const char*> files[] = {
+      {"NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\n", "is Qualisys' TSV, which is not read; export C3D"},
+      {"Trajectories\n100\n", "is a CSV of Vicon Nexus"},
+      {"HIERARCHY\nROOT Hips\n", "is BVH, whose joints are angles"},
+      {"<?xml version=\"1.0\"?>\n", "is XML, such as Xsens' MVNX"},
+      {"[{\"frame\": 1}]\n", "is JSON, and no motion capture"},
+      {"\xFF\xFEt\0i\0", "is text in UTF-16"},
+      {std::string("t\0i\0m\0e\0", 8), "is text in UTF-16"},
+      {"PK\x03\x04 and so on", "is a spreadsheet or an archive; save the table as CSV"},
+      {"\x89HDF\r\n", "is HDF5"},
+      {"time_s;joint;x_m;y_m;z_m\n", "has semicolons between its cells"},
+      {"time_s\tjoint\tx_m\ty_m\tz_m\n", "has tabs between its cells"},
+      {"frame,nose_x,nose_y,nose_z\n0,1,2,3\n",
+       "has three columns a joint (frame, nose_x, nose_y, nose_z, ...)"},
+      {"time_s,HipX,HipY,HipZ\n0,1,2,3\n", "has three columns a joint"},
+      {"seconds,who\r1,2\r", "ends its lines by carriage returns alone"},
+      {"hello\n", "is neither motion capture (Motive's CSV"}};
+  for (const auto& [text, said] : files) EXPECT_THAT(marker_refusal(text), HasSubstr(said));
 }
 
 TEST(MarkerReaders, AC3dIsNamedWithTheConverter) {

@@ -129,6 +129,53 @@ TEST(Init, AWalkInACircleNeedsToKnowHowFarApartBothBegan) {
               0.0, 0.01);
 }
 
+TEST(Init, RunAgainAddsNewTakesAndKeepsWhatWasEdited) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  ASSERT_EQ(run_trilat(folder, {"init", own.string()}).code, 0);
+  Campaign edited = read_campaign(own);
+  edited.takes[0].participant = "Ann";
+  edited.takes[0].mocap_start_host_ns += 7;
+  write_campaign(own, edited);
+  const std::string study = read_file(own / "study.json"), mapping = read_file(own / "mapping.json");
+  const std::string campaign = read_file(own / "campaign.json");
+  const Ended again = run_trilat(folder, {"init", own.string()});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("has 2 takes from before, which stay as they are; 0 are new"));
+  EXPECT_EQ(read_file(own / "campaign.json"), campaign);
+  EXPECT_EQ(read_file(own / "study.json"), study);
+  // a recording more, and an edited study and mapping
+  std::filesystem::copy(own / "p01", own / "p03", std::filesystem::copy_options::recursive);
+  write_file(own / "study.json", std::string(study).replace(study.find("\"window\""), 8, "\"kalman\""));
+  write_file(own / "mapping.json", mapping + "\n");
+  const Ended added = run_trilat(folder, {"init", own.string()});
+  EXPECT_EQ(added.code, 0) << added.err;
+  EXPECT_THAT(added.err, AllOf(HasSubstr("study.json: differs from what init writes, and is kept"),
+                               HasSubstr("2 takes from before, which stay as they are; 1 are new")));
+  const Campaign grown = read_campaign(own);
+  ASSERT_EQ(grown.takes.size(), 3u);
+  EXPECT_EQ(grown.takes[0].participant, "Ann");
+  EXPECT_EQ(grown.takes[0].mocap_start_host_ns, edited.takes[0].mocap_start_host_ns);
+  EXPECT_EQ(grown.takes[2].participant, "p03");
+  EXPECT_THAT(read_file(own / "study.json"), HasSubstr("kalman"));
+  EXPECT_EQ(read_file(own / "mapping.json"), mapping + "\n");
+  // also where everything is to be found anew
+  EXPECT_EQ(run_trilat(folder, {"init", own.string(), "--force"}).code, 0);
+  EXPECT_NE(read_campaign(own).takes[0].participant, "Ann");
+  EXPECT_THAT(read_file(own / "study.json"), HasSubstr("kalman"));
+  EXPECT_EQ(read_file(own / "mapping.json"), mapping + "\n");
+}
+
+TEST(Init, NamesATableBesideARecordingThatIsNotRead) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  write_file(own / "p01/walking.csv", "Trajectories\n100\n");
+  write_file(own / "p02/joints.csv", "frame,nose_x,nose_y,nose_z\n0,1,2,3\n");
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("walking.csv:1: is a CSV of Vicon Nexus"),
+                               HasSubstr("joints.csv:1: has three columns a joint")));
+}
+
 TEST(Init, SaysWhatIsMissingAndReplacesNothing) {
   const ScratchFolder folder;
   const auto own = own_folder(folder);
@@ -140,7 +187,6 @@ TEST(Init, SaysWhatIsMissingAndReplacesNothing) {
   const Ended ended = run_trilat(folder, {"init", own.string()});
   EXPECT_EQ(ended.code, 0);
   EXPECT_THAT(ended.out, HasSubstr("no motion capture: each sensor is predicted from the others"));
-  expect_refused(run_trilat(folder, {"init", own.string()}), "campaign.json: is there already");
   EXPECT_EQ(run_trilat(folder, {"init", own.string(), "--force"}).code, 0);
   expect_refused(run_trilat(folder, {"init", (folder / "absent").string()}), "must be the folder");
   std::filesystem::create_directories(folder / "empty");

@@ -195,7 +195,7 @@ class Compare(Compared):
         (self.folder / "two.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1,2,3\n0,head,2,2,3\n")
         self.assertIn("two.csv: has head twice at 0.000000 s", self.compared(self.folder / "two.csv", code=2))
         (self.folder / "notes.csv").write_text("a;b\n1;2\n")
-        self.assertIn("notes.csv: is neither motion capture", self.compared(self.folder / "notes.csv", code=2))
+        self.assertIn("notes.csv:1: is neither motion capture", self.compared(self.folder / "notes.csv", code=2))
         library.write_joints(self.folder / "names.csv", self.time_s, {"nobody": self.truth["head"]})
         said = self.compared(self.folder / "names.csv", code=2)
         self.assertIn("names.csv: has no point that truth.csv has: here are nobody, there head", said)
@@ -209,7 +209,7 @@ class Compare(Compared):
         still = np.tile([0.1, 1.7, 0.2], (FRAMES, 1))
         library.write_joints(self.folder / "truth.csv", self.time_s, {"head": still})
         library.write_joints(self.folder / "mine.csv", self.time_s, {"head": still + np.random.default_rng(6).normal(0, 0.02, still.shape)})
-        self.assertNotIn("times as far apart", self.compared(self.folder / "mine.csv", more=["--up", "y"]))
+        self.assertNotIn("times as large", self.compared(self.folder / "mine.csv", more=["--up", "y"]))
 
     def test_what_a_mapping_names_and_no_file_has_is_said(self):
         mapping = self.written("mapping.json", {"format": "trilat.mapping", "version": 1, "joints": {"head": ["head"], "tail": ["Marker 7"]}})

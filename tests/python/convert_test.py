@@ -235,6 +235,21 @@ class ConvertTest(unittest.TestCase):
         self.assertIn("has no PELVIS", self.refused("azure-kinect", self.file("a.json", self.azure().replace("PELVIS", "PELVES"))))
         self.assertIn("cannot be read as JSON", self.refused("azure-kinect", self.file("a.json", self.azure()[:-9])))
 
+    def test_azure_kinect_in_other_encodings_units_and_clocks(self):
+        for encoding in ("utf-8-sig", "utf-16", "utf-16-le", "utf-32"):
+            source = self.folder / "a.json"
+            source.write_bytes(self.azure().encode(encoding))
+            self.assertEqual(self.converted("azure-kinect", source)[1]["k1/bodies/tracking_id"][0], 7)
+        since_1970 = json.loads(self.azure())
+        for frame in since_1970["frames"]:
+            frame["timestamp_usec"] += 1_760_000_000_000_000
+        _, sensors, note = self.converted("azure-kinect", self.file("a.json", json.dumps(since_1970)))
+        self.assertEqual(sensors["k1/body_frames/device_ticks"][:].tolist(), [0, 333330])
+        self.assertIn("count since 1970, and were taken to begin with the first frame", note)
+        metres = [[0.01 * i, 0.02 * i, 2.0] for i in range(32)]
+        self.assertIn("as metres are; this format has millimetres: multiply joint_positions by 1000",
+                      self.refused("azure-kinect", self.file("a.json", self.azure(joint_positions=metres))))
+
     def c3d(self, made_up, *options, code=0):
         """Converts a made-up C3D; gives what was said, the names, and positions (frames, markers, 3) in metres."""
         source, output = self.file("walk.c3d", made_up.data()), self.folder / "walk.csv"

@@ -172,6 +172,9 @@ class Door(Opened):
         for sensors, words in (({}, "1 to 64 sensors"), ({"a/b": self.sensor()}, 'no "/"'),
                                (with_(device_ticks=[0, 5, 5, 9, 10]), "do not rise after frame 1"),
                                (with_(frame=[0, 1, 2, 3, 5]), "rise from 0 to at most 4"),
+                               (with_(device_ticks=np.arange(5) * 33), "303030 frames .* of 100 ns, .*; with tick_ns=1000000 it has 30.3"),
+                               (with_(device_ticks=np.arange(5) * 33_333_333), "0.3 frames .*; with tick_ns=1 it has 30"),
+                               (with_(device_ticks=np.arange(5) * 33_333, tick_ns=1_000_000), "with tick_ns=1000 it has 30"),
                                (with_(position_m=np.zeros((5, 20, 3))), r"position_m has the shape \(5, 20, 3\); \(5, 25, 3\)"),
                                (with_(position_m=nan), "call it not tracked"),
                                (with_(tracking_state=np.full((5, 25), 3)), "goes from 0 to 2"),
@@ -183,6 +186,21 @@ class Door(Opened):
         trilat.write_session(path, {"k1": self.sensor()})
         with self.assertRaisesRegex(trilat.InputError, "is there already"):
             trilat.write_session(path, {"k1": self.sensor()})
+
+    def test_ticks_of_another_length_than_stated_are_an_error_of_verify_and_run(self):
+        for tick_ns, words in ((1_000_000, "0.003 frames a second by device ticks of 1000000 ns.*; with ticks of 100 ns it has 30"),
+                               (1, "3000.* frames a second by device ticks of 1 ns")):
+            camp = self.folder / f"ticks{tick_ns}"
+            shutil.copytree(self.folder / "camp", camp)
+            with h5py.File(camp / "p01-walking/session.h5", "r+") as file:
+                file["sensors/k2"].attrs["tick_ns"] = np.int64(tick_ns)
+            verified = subprocess.run([program_path(), "verify", camp / "p01-walking/session.h5"], capture_output=True, text=True)
+            self.assertEqual(verified.returncode, 1, verified.stderr)
+            self.assertRegex(verified.stdout + verified.stderr, "k2/body_frames.* has " + words)
+            ran = subprocess.run([program_path(), "run", self.folder / "study.json", "--campaign", camp, "-o", self.folder / f"r{tick_ns}"],
+                                 capture_output=True, text=True)
+            self.assertEqual(ran.returncode, 1)
+            self.assertRegex(re.sub(r"\s+", " ", ran.stdout + ran.stderr), "k2 has " + words)
 
     def test_newer_and_other_files_are_refused(self):
         newer = self.folder / "newer"

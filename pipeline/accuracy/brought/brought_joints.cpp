@@ -127,24 +127,14 @@ std::optional<UpAxis> standing_axis(const MocapPositions& positions, const std::
   return standing.axis();
 }
 
-// InputError for what is neither a CSV of joints nor motion capture.
-bool is_joints(const std::filesystem::path& file) {
-  if (is_joint_csv(file)) return true;
-  if (!begins_as_mocap(file))
-    throw InputError(file.string(),
-                     "is neither motion capture (Motive's CSV, TRC) nor a CSV of joints, whose first row is "
-                     "time_s,joint,x_m,y_m,z_m");
-  return false;
-}
-
 }  // namespace
 
 MocapHeader read_marker_header(const std::filesystem::path& file) {
-  return is_joints(file) ? read_joint_csv(file).header : MocapReader(file).header();
+  return is_joint_csv(file) ? read_joint_csv(file).header : MocapReader(file).header();
 }
 
 MocapPositions read_markers(const std::filesystem::path& file) {
-  if (is_joints(file)) return read_joint_csv(file);
+  if (is_joint_csv(file)) return read_joint_csv(file);
   MocapReader reader(file);
   std::vector<std::size_t> assets;
   for (std::size_t i = 0; i < reader.header().assets.size(); ++i)
@@ -263,7 +253,8 @@ std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& plan
     const double rate_hz = positions.time.size() < 2 ? plan.study.rate_hz
                                                      : static_cast<double>(positions.time.size() - 1) /
                                                            positions.time.back().ns * 1e9;
-    const double gap_s = std::max(plan.study.sensor_gap_s, 1.6 / rate_hz);
+    constexpr double kGapsOfFrames = 1.6, kMaxGap_s = 0.5;
+    const double gap_s = std::max(plan.study.sensor_gap_s, std::min(kMaxGap_s, kGapsOfFrames / rate_hz));
     all.push_back({&joints, method,
                    MarkerTrack(std::move(positions), std::move(markers), duration_from_s(gap_s),
                                plan.rig.empty() && planned.truth_has_z_up),

@@ -16,6 +16,8 @@ OTHER_NAMES = {"spine_base": "PELVIS", "spine_mid": "SPINE_NAVEL", "spine_should
 NAMES = [OTHER_NAMES.get(joint, joint.upper()) for joint in JOINTS]
 STATES = np.array([NOT_TRACKED, INFERRED, TRACKED, TRACKED], np.uint8)  # of the confidences none, low, medium, high
 CONFIDENCE_KEYS = ("joint_confidence_levels", "confidence_levels", "joint_confidences")
+LARGEST_METRES = 20.0     # a body is half a metre away at least, and 20 m at most
+LONGEST_USEC = 2**59 // 1000  # 18 years; no device runs so long
 NOTE = ("Joints without a counterpart among the 25 are left out: clavicles, nose, eyes and ears. spine_mid is the navel and spine_shoulder "
         "the chest, some centimetres below those of a Kinect v2. Orientations keep the axes that the Azure Kinect gives each joint.")
 
@@ -23,7 +25,7 @@ NOTE = ("Joints without a counterpart among the 25 are left out: clavicles, nose
 def read_document(path: Path) -> tuple[list[dict], list[int]]:
     """The frames, and where each of the 25 joints stands among the file's."""
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(path.read_bytes())  # UTF-8, UTF-16 or UTF-32, with a byte order mark or without
     except (OSError, ValueError) as error:
         raise InputError(path, f"cannot be read as JSON: {error}") from error
     if not isinstance(document, dict) or not isinstance(document.get("frames"), list) or not isinstance(document.get("joint_names"), list):
@@ -56,11 +58,33 @@ def body_of(body: dict, joints: list[int]) -> Body:
     return made
 
 
+def check_unit(path: Path, frames: list[dict]) -> None:
+    """InputError for joints in metres: none is a few millimetres from the sensor."""
+    bodies = [body for frame in frames if isinstance(frame, dict) for body in frame.get("bodies") or [] if isinstance(body, dict)]
+    try:
+        positions = [np.array(body["joint_positions"], dtype=float).reshape(-1, 3) for body in bodies[:100]]
+    except (KeyError, TypeError, ValueError):
+        return  # torn ones are counted where they are read
+    whole = [np.linalg.norm(joints, axis=1) for joints in positions if len(joints) >= len(NAMES)]
+    away = np.median(np.concatenate(whole)) if whole else np.inf
+    if away < LARGEST_METRES:
+        raise InputError(path, f"has joints {away:.3g} mm from the sensor, as metres are; this format has millimetres: multiply "
+                               "joint_positions by 1000")
+
+
+def first_time_usec(frames: list[dict]) -> int:
+    """The first time of a clock that counts since 1970, which a device's does not; else 0."""
+    times = (frame.get("timestamp_usec") for frame in frames if isinstance(frame, dict))
+    first = next((time for time in times if isinstance(time, int)), 0)
+    return first if first > LONGEST_USEC else 0
+
+
 def convert(arguments: argparse.Namespace) -> int:
     path = need_one(arguments.files, "is a second file; these files share no clock, so each becomes a session of its own")
     refuse_rate(arguments)
     frames, joints = read_document(path)
-    recording, confident = Recording("k1", path), False
+    check_unit(path, frames)
+    recording, confident, begin_usec = Recording("k1", path), False, first_time_usec(frames)
     for number, frame in enumerate(frames):
         place = f"{path} /frames/{number}"
         with recording.row(place):
@@ -68,6 +92,7 @@ def convert(arguments: argparse.Namespace) -> int:
                 raise TornRow('has no "timestamp_usec" and "bodies"')
             bodies = [body_of(body, joints) for body in frame["bodies"]]
             confident |= any(key in body for body in frame["bodies"] for key in CONFIDENCE_KEYS)
-            recording.add(place, 10 * frame["timestamp_usec"], bodies, frame.get("frame_id"))
+            recording.add(place, 10 * (frame["timestamp_usec"] - begin_usec), bodies, frame.get("frame_id"))
     states = "" if confident else " The file holds no confidences: every joint is called tracked, inferred ones too."
-    return finish(arguments, [recording], NOTE + states)
+    since = " Its times count since 1970, and were taken to begin with the first frame." if begin_usec else ""
+    return finish(arguments, [recording], NOTE + states + since)

@@ -11,11 +11,10 @@ import numpy as np
 
 from trilat.errors import InputError
 from trilat.skeleton import FARTHEST_JOINT_M, JOINT_COUNT, NEAREST_JOINT_M, NOT_TRACKED, TRACKED, states_within_reach
-from trilat.write_session import DEPTH_SHAPE, MOST_BODIES, SensorFrames, write_session
+from trilat.write_session import DEPTH_SHAPE, FASTEST_HZ, MOST_BODIES, SLOWEST_HZ, SensorFrames, write_session
 
 TICK_NS = 100
 TICKS_PER_S = 1e9 / TICK_NS
-SLOWEST_HZ, FASTEST_HZ = 1.0, 100.0  # of a Kinect's frames, which come 30 times a second
 MOST_OUT_OF_REACH = 0.5  # of the tracked joints of a recording
 LATEST_TICKS = 2**59 // TICK_NS  # 18 years
 FEWEST_FITTED, SMALLEST_SPREAD, LARGEST_RMS_PX = 200, 0.03, 1.0
