@@ -60,6 +60,10 @@ std::vector<T> read_list(JsonObject& object, const std::string& key);
 template <Described T>
 void read_fields(JsonObject& object, T& value);
 
+// Number of values of an enum that is stored as a number, from 0 on. Each one that is read has its own.
+template <class T>
+inline constexpr int kEnumValues = 0;
+
 namespace described {
 
 template <class T>
@@ -161,6 +165,9 @@ struct Reader {
     } else if constexpr (std::is_enum_v<T>) {
       std::underlying_type_t<T> number{};
       get(json, path, number);
+      static_assert(kEnumValues<T> > 0, "how many values are there?");
+      if (number >= kEnumValues<T>)
+        object.refuse_below(path, fmt::format("must lie between 0 and {}", kEnumValues<T> - 1));
       into = static_cast<T>(number);
     } else if constexpr (std::is_same_v<T, std::string>) {
       want(json.is_string(), "a text");

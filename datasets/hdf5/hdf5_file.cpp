@@ -2,8 +2,11 @@
 #include "datasets/hdf5/hdf5_file.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <fstream>
 #include <limits>
+#include <string_view>
 
 #include <blosc.h>
 #include <fcntl.h>
@@ -48,6 +51,13 @@ std::string without_colon(const std::string& place) {
 
 [[noreturn]] void refuse(const std::string& place, const std::string& doing) {
   throw InputError(without_colon(place), doing + " (" + library_reason() + ")");
+}
+
+// Whether a file that cannot be opened begins as HDF5 does: then it has been cut, or was never closed.
+bool begins_as_hdf5(const std::filesystem::path& path) {
+  std::array<char, 4> head{};
+  std::ifstream file(path, std::ios::binary);
+  return file.read(head.data(), head.size()) && std::string_view(head.data(), head.size()) == "\x89HDF";
 }
 
 [[noreturn]] void refuse_output(const std::string& place, const std::string& doing) {
@@ -368,6 +378,11 @@ H5File H5File::open(const std::filesystem::path& path) {
     id = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
     file.unfinished_ = true;
   }
+  if (id < 0 && begins_as_hdf5(path))
+    throw InputError(
+        path.string(),
+        "is cut short or damaged: it begins as HDF5 does, and is not a readable HDF5 file; copy it "
+        "again whole");
   file.id_ = wrap(id, close_file, path.string(), "is not a readable HDF5 file");
   return file;
 }

@@ -33,6 +33,9 @@ struct FigureSeries {
   TRILAT_FIELDS(name, style, points, group, method, panel, hollow)
 };
 
+template <>
+inline constexpr int kEnumValues<FigureSeries::Style> = 4;
+
 // A part of the x axis, shaded; those of one name share a legend entry.
 struct FigureBand {
   double from = 0.0, to = 0.0;
@@ -51,6 +54,8 @@ struct FigureLine {
 
 // As articles print them: 85 and 178 mm, with letters of 8 pt.
 enum class FigureWidth : std::uint8_t { column, page };
+template <>
+inline constexpr int kEnumValues<FigureWidth> = 2;
 
 // A figure as data, defined once; pictures are drawn from it and never compute. The title is for what stands
 // around the picture: it is not drawn.

@@ -153,7 +153,7 @@ std::string unfinished_results(const fs::path& results) {
   }
   if (known < keys.size()) there = std::min(store.size(), keys.size());  // shards know their own alone
   return fmt::format(
-      "is unfinished: {} of {} items are there; `trilat run` without --shard goes on from them", there,
+      "is unfinished: {} of {} items are there; `trilat run` as before goes on from them", there,
       keys.size());
 }
 

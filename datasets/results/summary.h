@@ -271,7 +271,8 @@ struct ErrorChange {
   double before_m = kNoNumber, after_m = kNoNumber;
   double difference_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // after - before
   double standard_error_m = kNoNumber, chance = kNoNumber;  // two-sided, of so much without any change
-  std::size_t clusters = 0;
+  std::size_t clusters = 0, degrees = 0;                    // of freedom; 0: no interval
+  std::vector<std::string> without{};  // groups that the average leaves out: one side does not answer them
   bool is_real() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
 };
 

@@ -86,6 +86,11 @@ struct Table {
   void check(const JsonObject& object) const;
 };
 
+template <>
+inline constexpr int kEnumValues<TableValue::Mark> = 3;
+template <>
+inline constexpr int kEnumValues<Table::Shown> = 3;
+
 // RFC 4180 with full precision; NaN is an empty field.
 std::string csv_of(const Table& table);
 

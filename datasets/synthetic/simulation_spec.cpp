@@ -132,6 +132,11 @@ RigSpec read_rig(JsonObject object) {
       const std::size_t sensors = object.value("heights_m").size();
       if (sensors < 1 || sensors > 8) object.refuse("heights_m", "must hold 1 to 8 heights, one a sensor");
       rig.heights_m = object.numbers("heights_m", sensors);
+      constexpr double kMaxHeight_m = 8.0;
+      for (const double height_m : rig.heights_m)
+        if (!(height_m >= 0.0 && height_m <= kMaxHeight_m))
+          object.refuse("heights_m", fmt::format("has {:g}; heights are 0 to {:g} m above the floor",
+                                                 height_m, kMaxHeight_m));
     }
   }
   setting(object, "arc_deg", rig.arc_rad, {1.0, 360.0},

@@ -206,16 +206,20 @@ Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
   return best;
 }
 
-PointEstimate estimate_of(const Rays& rays, const Eigen::Vector3d& x_m, SolveStatus status, int iterations) {
-  PointEstimate estimate = estimate_at(ranges_of(rays), x_m, status, iterations);
+// The covariance counts each view by its weight at the minimum: what the loss dismisses tells nothing.
+PointEstimate estimate_of(const Rays& rays, const RangeBearingOptions& options, const Minimum& minimum) {
+  const Eigen::Vector3d& x_m = minimum.position_m;
+  PointEstimate estimate = estimate_at(ranges_of(rays), x_m, minimum.status, minimum.iterations);
+  Costs costs(options);
   Symmetric3 information;
   double range_cost = 0.0;
   for (int i = 0; i < rays.count; ++i) {
     const Eigen::Vector3d v = x_m - rays.sensor_m[i];
     const double distance_m = v.norm();
     const Eigen::Vector3d e = v / std::max(distance_m, kOnSensor_m);
-    information.add_outer(rays.range_weight[i], e);
-    add_projection(information, rays.bearing_weight[i], e);
+    const double weight = costs.add(residual_at(rays, i, x_m).square);
+    information.add_outer(weight * rays.range_weight[i], e);
+    add_projection(information, weight * rays.bearing_weight[i], e);
     range_cost += std::pow(distance_m - rays.range_m[i], 2);
   }
   estimate.cost_m2 = range_cost;
@@ -246,7 +250,7 @@ PointEstimate solve_range_bearing(std::span<const JointObservation> observations
   const Minimum minimum = global_minimum(rays, options);
   if (!is_usable(minimum.status) && minimum.status != SolveStatus::iteration_limit)
     return failed_estimate(minimum.status);
-  return estimate_of(rays, minimum.position_m, minimum.status, minimum.iterations);
+  return estimate_of(rays, options, minimum);
 }
 
 double range_bearing_cost(std::span<const JointObservation> observations,

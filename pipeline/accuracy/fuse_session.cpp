@@ -49,6 +49,18 @@ void solve(const Plan& plan, const TakeData& data, const Watch& watch, FusedSess
   });
 }
 
+std::vector<ExchangedStretch> exchanged_stretches(const Plan& plan, const TakeData& data) {
+  std::vector<ExchangedStretch> stretches;
+  for (std::size_t s = 0; s < plan.rig.size(); ++s)
+    for (std::size_t i = 0; i < data.time.size(); ++i) {
+      if (!data.exchanges.at(i, s)) continue;
+      const double since_s = (data.time[i] - data.time.front()).seconds();
+      if (i == 0 || !data.exchanges.at(i - 1, s)) stretches.push_back({plan.rig[s], since_s, since_s});
+      stretches.back().last_s = since_s;
+    }
+  return stretches;
+}
+
 }  // namespace
 
 FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
@@ -62,7 +74,8 @@ FusedSession fuse_session(const std::filesystem::path& session, const std::files
                      .sensors = method.sensors.empty() ? plan.rig : method.sensors,
                      .rays = rays_of(plan, plan.takes[0], data),
                      .checks = data.checks,
-                     .notes = data.notes};
+                     .notes = data.notes,
+                     .exchanged = exchanged_stretches(plan, data)};
   solve(plan, data, watch, fused);
   for (const FusedPoint& point : fused.points)
     fused.answered += is_usable(point.status) ? 1.0 / static_cast<double>(fused.points.size()) : 0.0;

@@ -23,6 +23,12 @@ struct FusedPoint {
   SolveStatus status = SolveStatus::not_solved;
 };
 
+// Instants at which a sensor's left and right were found exchanged, and put right.
+struct ExchangedStretch {
+  std::string sensor;
+  double first_s = 0.0, last_s = 0.0;  // since the first instant
+};
+
 struct FusedSession {
   double rate_hz = 30.0;
   std::int64_t start_host_ns = 0;  // of the first instant
@@ -32,6 +38,7 @@ struct FusedSession {
   RayRow rays;
   std::vector<CheckRow> checks;
   std::vector<TakeNote> notes;
+  std::vector<ExchangedStretch> exchanged;
   double answered = 0.0;  // share of instants and joints
 
   std::size_t instants() const { return joints.empty() ? 0 : points.size() / joints.size(); }

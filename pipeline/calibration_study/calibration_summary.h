@@ -24,7 +24,7 @@ struct ErrorSpread {
   double median_m = kNone;
   double p95_m = kNone;
   double max_m = kNone;
-  // 95 % interval of the mean, by bootstrap over units (each with its own depth offset), not over samples.
+  // 95 % interval of the mean, by Student's t over units (each with its own depth offset), not over samples.
   double mean_low_m = kNone, mean_high_m = kNone;
 
   TRILAT_FIELDS(asked, answered, mean_m, sd_m, median_m, p95_m, max_m, mean_low_m, mean_high_m)

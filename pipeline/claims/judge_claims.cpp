@@ -41,6 +41,23 @@ ClaimChance chance_of(const JudgedClaim& claim) {
   return chance_of_all(chances);
 }
 
+// Why an undecided claim of a share near all could not hold, however good the shares were; empty where it
+// could. With no spread between the clusters each counts as one trial.
+std::string too_few_clusters(const PaperClaim& claim, const JudgedClaim& judged) {
+  if (!claim.bound || claim.bound->side != ClaimBound::Side::more_than) return "";
+  for (const ClaimNumber& number : judged.numbers) {
+    const double share = claim.bound->margin / 100.0;
+    if (number.unit != "%" || !(share > 0.5 && share < 1.0)) continue;
+    const double best_p = 2.0 * std::pow(share, static_cast<double>(number.clusters));
+    const double needed = std::log(kFalseVerdicts / 2.0) / std::log(share);
+    if (best_p > kFalseVerdicts)
+      return fmt::format(
+          "{} {} cannot show more than {:g} %: {:.0f} would be needed; the interval is what is known",
+          number.clusters, number.over, claim.bound->margin, std::ceil(needed));
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
@@ -61,6 +78,11 @@ std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
     judged[k].verdict = !(decided <= kFalseVerdicts)  ? kUndecided
                         : chance.fails < chance.holds ? kDoesNotHold
                                                       : kHolds;
+    if (judged[k].verdict != kUndecided) continue;
+    if (std::string too_few = too_few_clusters(claims[k], judged[k]); !too_few.empty()) {
+      judged[k].reason = std::move(too_few);
+      judged[k].verdict = kCannotTest;
+    }
   }
   return judged;
 }

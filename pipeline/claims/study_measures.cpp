@@ -148,29 +148,4 @@ Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, const
   return {{.what = "distance of the wand", .unit = "%", .number = solve_contrast(contrast), .over = kUnits}};
 }
 
-Measurements image_edges(const CalibrationSummary& calibration, const std::array<double, 2>& middle) {
-  WeightedRatio outer, inner;
-  for (const DistortionCurve& curve : calibration.distortion) {
-    std::array<double, 2> sums{}, counts{};
-    for (std::size_t c = 0; c < curve.depth_residual_m.size(); ++c) {
-      if (!std::isfinite(curve.depth_residual_m[c])) continue;
-      const auto column = static_cast<double>(c);
-      const std::size_t place = column < middle[0] || column > middle[1] ? 0 : 1;
-      sums[place] += curve.depth_residual_m[c];
-      counts[place] += 1.0;
-    }
-    outer.numerator.push_back(sums[0]);
-    outer.denominator.push_back(counts[0]);
-    inner.numerator.push_back(sums[1]);
-    inner.denominator.push_back(counts[1]);
-  }
-  if (outer.numerator.empty()) return lacking("a calibration study with a wall");
-  Contrast contrast{{outer, inner}, {inner}};
-  contrast.value[1].weight = -1.0;
-  return {{.what = "outer columns against the middle",
-           .unit = "%",
-           .number = solve_contrast(contrast),
-           .over = kUnits}};
-}
-
 }  // namespace trilat

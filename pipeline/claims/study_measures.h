@@ -35,7 +35,4 @@ Measurements wand_error(const CalibrationSummary& calibration, const WandZone& z
 // The same in one zone against another: (zone - other) / other.
 Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, const WandZone& other);
 
-// The depth error of an image row without its constant part: the columns outside of `middle` against these.
-Measurements image_edges(const CalibrationSummary& calibration, const std::array<double, 2>& middle);
-
 }  // namespace trilat

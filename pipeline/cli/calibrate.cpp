@@ -82,7 +82,7 @@ Table sensors_table(const Calibration& calibration, const std::vector<SensorEvid
                             ? fmt::format("{:.1f} to {:.1f}", evidence[s].nearest_m, evidence[s].farthest_m)
                             : std::string("–"))});
   }
-  table.notes.push_back("± is one standard deviation an axis; 95 % lie within 1.96 of it.");
+  table.notes.push_back("± is one standard deviation an axis.");
   return table;
 }
 

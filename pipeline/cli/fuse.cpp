@@ -60,11 +60,16 @@ int fuse(const FuseArguments& a) {
   }();
   format.write(a.output, track_of(fused));
   if (a.json) {
+    Json exchanged = Json::array();
+    for (const ExchangedStretch& stretch : fused.exchanged)
+      exchanged.push_back(
+          {{"sensor", stretch.sensor}, {"first_s", stretch.first_s}, {"last_s", stretch.last_s}});
     fmt::print("{}\n", json_text(Json{{"file", a.output.string()},
                                       {"instants", fused.instants()},
                                       {"start_host_ns", fused.start_host_ns},
                                       {"sensors", fused.sensors},
                                       {"answered", fused.answered},
+                                      {"exchanged", exchanged},
                                       {"rays", json_of(fused.rays)},
                                       {"checks", json_of(fused.checks)}},
                                  2));

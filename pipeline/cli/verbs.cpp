@@ -2,7 +2,12 @@
 #include "pipeline/cli/verbs.h"
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
+#include <regex>
+
+#include <fmt/format.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
@@ -38,8 +43,40 @@ constexpr AddVerb kVerbs[] = {add_demo,    add_init,      add_simulate, add_run,
   throw InputError("there is no verb \"" + given + '"', known_names(given, verbs));
 }
 
-[[noreturn]] void refuse_options(const CLI::App& app, const std::string& problem) {
+// "--campagin is no option of run; did you mean --campaign?", where CLI11 lists what was left over.
+std::string unknown_option_text(const CLI::App& verb, const std::string& problem) {
+  std::smatch found;
+  if (!std::regex_search(problem, found, std::regex(R"(not expected:.* ?(--[\w-]+))"))) return problem;
+  const std::string given = found[1];
+  std::vector<std::string> known;
+  for (const CLI::Option* option : verb.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  const std::string nearest = nearest_name(given, known);
+  return fmt::format("{} is not an option of {}{}", given, verb.get_name(),
+                     nearest.empty() ? "" : "; did you mean " + nearest + "?");
+}
+
+// "--duration-s: \"1s\" is not a number", where CLI11 prints the ends of a range to hundreds of digits.
+std::string out_of_range_text(const std::string& problem) {
+  std::smatch found;
+  if (!std::regex_match(problem, found, std::regex(R"((.*): Value (\S+) not in range (\S+) to (\S+))")))
+    return problem;
+  char* end = nullptr;
+  const std::string value = found[2];
+  const double number = std::strtod(value.c_str(), &end);
+  if (*end != '\0' || std::isnan(number))
+    return fmt::format("{}: \"{}\" is not a number", found[1].str(), value);
+  const double low = std::stod(found[3]), high = std::stod(found[4]);
+  constexpr double kNoLimit = 1e300;
+  return high > kNoLimit
+             ? fmt::format("{}: is {}; it must be at least {:g}", found[1].str(), value, low)
+             : fmt::format("{}: is {}; it must lie between {:g} and {:g}", found[1].str(), value, low, high);
+}
+
+[[noreturn]] void refuse_options(const CLI::App& app, std::string problem) {
   const auto given = app.get_subcommands();
+  problem = out_of_range_text(problem);
+  if (!given.empty()) problem = unknown_option_text(*given.front(), problem);
   if (given.empty()) throw InputError(problem, "`trilat --help` says what can be asked");
   const std::string name = given.front()->get_name();
   std::string usage = CLI::Formatter().make_usage(given.front(), "trilat " + name);

@@ -2,6 +2,7 @@
 #include "pipeline/errors/error_changes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <tuple>
@@ -60,13 +61,35 @@ class ErrorsByParticipant {
   std::map<std::tuple<std::string, std::string, std::string>, WeightedRatio> sums_;
 };
 
-// Makes room for different participants: each side by itself, the other's clusters without samples.
-void pad(std::vector<WeightedRatio>& ratios, std::size_t before, std::size_t behind) {
-  for (WeightedRatio& ratio : ratios)
-    for (auto* values : {&ratio.numerator, &ratio.denominator}) {
-      values->insert(values->begin(), before, 0.0);
-      values->insert(values->end(), behind, 0.0);
-    }
+// Difference of the same participants, or of two groups of different ones (Welch 1947).
+void add_interval(const std::vector<WeightedRatio>& now, const std::vector<WeightedRatio>& before_negative,
+                  bool paired, ErrorChange& row) {
+  if (paired) {
+    std::vector<WeightedRatio> both = now;
+    both.insert(both.end(), before_negative.begin(), before_negative.end());
+    const ContrastEstimate difference = solve_contrast({std::move(both), {}});
+    row.difference_m = difference.value;
+    row.standard_error_m = difference.standard_error;
+    row.clusters = difference.clusters;
+    row.degrees = difference.clusters >= 2 ? difference.clusters - 1 : 0;
+  } else {
+    const ContrastEstimate after = solve_contrast({now, {}}), before = solve_contrast({before_negative, {}});
+    row.difference_m = after.value + before.value;
+    row.clusters = after.clusters + before.clusters;
+    if (after.clusters < 2 || before.clusters < 2) return;
+    const double a = after.standard_error * after.standard_error,
+                 b = before.standard_error * before.standard_error;
+    row.standard_error_m = std::sqrt(a + b);
+    const double degrees =
+        (a + b) * (a + b) /
+        (a * a / static_cast<double>(after.clusters - 1) + b * b / static_cast<double>(before.clusters - 1));
+    row.degrees = degrees >= 1.0 ? static_cast<std::size_t>(degrees) : 1;
+  }
+  if (row.degrees == 0 || !std::isfinite(row.standard_error_m)) return;
+  const double half_m = student_quantile(row.degrees) * row.standard_error_m;
+  row.low_m = row.difference_m - half_m;
+  row.high_m = row.difference_m + half_m;
+  row.chance = student_two_sided(row.difference_m / row.standard_error_m, row.degrees);
 }
 
 }  // namespace
@@ -83,26 +106,29 @@ std::optional<ErrorChanges> changes_between(const ResultsSummary& before, const 
   const ErrorsByParticipant errors_before(before), errors_after(after);
   const std::vector<std::string>&then = errors_before.participants(), &now = errors_after.participants();
   ErrorChanges changes{"", "", then == now, std::min(then.size(), now.size()), {}};
+  const auto error_of = [](const ErrorsByParticipant& errors, const std::string& condition,
+                           const std::vector<std::string>& groups, const std::string& method) {
+    return solve_contrast({errors.mean_error(condition, groups, method, 1.0), {}}).value;
+  };
   const auto add = [&](const std::string& condition, const std::string& method,
-                       const std::vector<std::string>& groups) {
-    std::vector<WeightedRatio> value = errors_after.mean_error(condition, groups, method, 1.0),
-                               minus = errors_before.mean_error(condition, groups, method, -1.0);
-    ErrorChange row{condition, groups.size() > 1 ? kAverageGroup : groups.front(), method};
+                       std::vector<std::string> groups) {
+    const bool is_average = groups.size() > 1;
+    std::vector<std::string> silent;  // on one of both sides: the average is that of the others
+    if (is_average)
+      std::erase_if(groups, [&](const std::string& group) {
+        const bool answers = std::isfinite(error_of(errors_after, condition, {group}, method)) &&
+                             std::isfinite(error_of(errors_before, condition, {group}, method));
+        if (!answers) silent.push_back(group);
+        return !answers;
+      });
+    if (groups.empty()) return;
+    const std::vector<WeightedRatio> value = errors_after.mean_error(condition, groups, method, 1.0),
+                                     minus = errors_before.mean_error(condition, groups, method, -1.0);
+    ErrorChange row{condition, is_average ? kAverageGroup : groups.front(), method};
+    row.without = std::move(silent);
     row.after_m = solve_contrast({value, {}}).value;
     row.before_m = -solve_contrast({minus, {}}).value;
-    if (!changes.paired) {
-      pad(value, 0, then.size());
-      pad(minus, now.size(), 0);
-    }
-    value.insert(value.end(), minus.begin(), minus.end());
-    const ContrastEstimate difference = solve_contrast({std::move(value), {}});
-    row.difference_m = difference.value;
-    row.low_m = difference.low();
-    row.high_m = difference.high();
-    row.standard_error_m = difference.standard_error;
-    row.clusters = difference.clusters;
-    if (difference.clusters >= 2)
-      row.chance = student_two_sided(difference.value / difference.standard_error, difference.clusters - 1);
+    add_interval(value, minus, changes.paired, row);
     changes.rows.push_back(std::move(row));
   };
   for (const std::string& condition : after.conditions) {

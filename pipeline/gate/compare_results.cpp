@@ -366,11 +366,21 @@ class Comparison {
 
 }  // namespace
 
+namespace {
+
+// "average without wrist".
+std::string group_text(const std::string& group, const std::vector<std::string>& without) {
+  return without.empty() ? group : fmt::format("{} without {}", group, fmt::join(without, ", "));
+}
+
+}  // namespace
+
 void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
                    const std::vector<std::string>& same, const GateLimits& limits, GateReport& report) {
   const SameTakes both(before, now, same);
   struct Average {
     double before_m = 0.0, now_m = 0.0, groups = 0.0;
+    std::vector<std::string> without;  // groups that one of both nights does not answer
   };
   std::map<std::pair<std::string, std::string>, Average> averages;  // by condition and method
   for (const SameTakes::CellKey& key : both.order()) {
@@ -379,14 +389,18 @@ void compare_takes(const std::string& study, const ResultsSummary& before, const
     add_accuracy(cell, sums.before_m(), sums.now_m(), limits, report);
     add_coverage(cell, sums, both.takes(key), limits, report);
     Average& average = averages[{key.condition, key.method}];
+    if (!std::isfinite(sums.before_m() + sums.now_m())) {
+      average.without.push_back(key.group);
+      continue;
+    }
     average.before_m += sums.before_m();
     average.now_m += sums.now_m();
     average.groups += 1.0;
   }
   for (const auto& [key, average] : averages)
     if (average.groups > 1.0)
-      add_accuracy({study, key.second, key.first, kAverageGroup}, average.before_m / average.groups,
-                   average.now_m / average.groups, limits, report);
+      add_accuracy({study, key.second, key.first, group_text(kAverageGroup, average.without)},
+                   average.before_m / average.groups, average.now_m / average.groups, limits, report);
 }
 
 double compare_people(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
@@ -399,13 +413,13 @@ double compare_people(const std::string& study, const ResultsSummary& before, co
   for (const ErrorChange& row : changes->rows) {
     ++report.looked_at;
     if (is_same(row.before_m, row.after_m) || !std::isfinite(row.difference_m)) continue;
-    if (row.clusters < 2) continue;
-    const std::size_t degrees = row.clusters - 1;
+    if (row.degrees == 0) continue;
+    const std::size_t degrees = row.degrees;
     const double reach = student_quantile(degrees, level) + student_quantile(degrees, 2.0 * (1.0 - kPower));
     if (row.group == kAverageGroup)
       found_percent.push_back(100.0 * reach * row.standard_error_m / row.before_m);
-    GateFinding finding =
-        accuracy_finding({study, row.method, row.condition, row.group}, row.before_m, row.after_m);
+    GateFinding finding = accuracy_finding(
+        {study, row.method, row.condition, group_text(row.group, row.without)}, row.before_m, row.after_m);
     finding.direction = row.difference_m > 0.0 ? Direction::worse : Direction::better;
     finding.low = 100.0 * row.low_m / row.before_m;
     finding.high = 100.0 * row.high_m / row.before_m;

@@ -24,7 +24,7 @@ constexpr double kMinGain_m = 0.008;
 constexpr double kEarnedAlpha = 0.0027;  // two-sided: three standard errors of many blocks
 constexpr double kMarginAlpha = 0.32;    // one standard error
 constexpr double kUnexplained_m = 0.2;   // mean distance
-constexpr double kMinTurn_rad = 0.05, kMinShift_m = 0.15, kMinStart_s = 0.02, kMinDrift_s = 0.02;
+constexpr double kMinTurn_rad = 0.05, kMinShift_m = 0.15, kMinDrift_s = 0.02;
 constexpr double kMinScale = 0.10;  // sound systems differ by up to 9.3 %
 constexpr std::size_t kCoarseInstants = 120, kMaxCoarseInstants = 1500;
 constexpr std::size_t kKeptOfClass = 3;     // starts that are refined
@@ -91,8 +91,10 @@ double pose_rms_m(const std::vector<double>& pose_errors) {
 
 class StreamFitter {
  public:
-  StreamFitter(const StreamPair& pair, const std::vector<std::size_t>& mirrored)
-      : pair_(pair),
+  StreamFitter(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+               const StreamFitOptions& options)
+      : options_(options),
+        pair_(pair),
         mirrored_(mirrored),
         blocks_(blocks_of(pair)),
         pose_m_(pose_errors_m(pair.reference, blocks_)),
@@ -334,7 +336,8 @@ class StreamFitter {
 
   // What is below the limits is no change.
   bool is_noticed(const StreamChange& change) const {
-    if (change.has_start && std::abs(change.start_s) < kMinStart_s && !change.has_stretch) return false;
+    if (change.has_start && std::abs(change.start_s) < options_.min_start_s && !change.has_stretch)
+      return false;
     if (change.has_stretch && std::abs(change.stretch - 1.0) * 0.5 * pair_.subject.duration_s() < kMinDrift_s)
       return false;
     if (change.frame == FrameChange::shifted && change.shift_m.norm() < kMinShift_m) return false;
@@ -596,6 +599,7 @@ class StreamFitter {
       changes.clear();
   }
 
+  StreamFitOptions options_;
   const StreamPair& pair_;
   const std::vector<std::size_t>& mirrored_;
   TimeBlocks blocks_;
@@ -613,9 +617,10 @@ class StreamFitter {
 
 }  // namespace
 
-StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored) {
+StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                      const StreamFitOptions& options) {
   if (pair.reference.instants() < 2 || pair.subject.instants() < 2) return {};
-  return StreamFitter(pair, mirrored).run();
+  return StreamFitter(pair, mirrored, options).run();
 }
 
 }  // namespace trilat

@@ -29,13 +29,18 @@ struct StreamFit {
   std::vector<double> of_point_m;  // mean distance by point after the first change, NaN where it is not known
 };
 
+struct StreamFitOptions {
+  double min_start_s = 0.02;  // no start nearer to the stated one is named
+};
+
 // Finds what turns the subject into the reference: unit and scale, start and rate of its clock, exchanged
 // points, and its frame (shifted, turned, mirrored, axes exchanged, relative to a point of the body). All are
 // fitted together. A cause counts when the error on blocks of time that it was not fitted to falls by a fifth
 // and by three standard errors of the paired blocks; what does not earn that is taken away again, so that
 // simpler explanations win. Below these sizes nothing is named: 10 % of scale, 10 cm of shift, 0.05 rad of
-// turn, 0.02 s of start, and a rate that moves the ends of the stream by less than 0.02 s.
+// turn, `min_start_s`, and a rate that moves the ends of the stream by less than 0.02 s.
 // `mirrored`: mirrored_points() of both, which have the same points in the same order.
-StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored);
+StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                      const StreamFitOptions& options = {});
 
 }  // namespace trilat

@@ -64,7 +64,7 @@ std::vector<Quantity> quantities(const SweepSummary& s, const SweepTimings& timi
       {"error", "Error over the stopping threshold", "mean error (cm)", "95 % interval of the mean", false,
        [](const SweepCell& c) {
          const double cm = c.mae_m * kCentimetresPerMetre,
-                      half = 1.96 * c.mae_standard_error_m * kCentimetresPerMetre;
+                      half = c.mae_half_interval_m() * kCentimetresPerMetre;
          return FigurePoint{0.0, cm, cm - half, cm + half};
        },
        [](const PrintedTable1::Row& row, std::size_t r) { return row.error_cm[r]; }},

@@ -15,6 +15,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
+#include "evaluators/metrics/student.h"
 
 namespace trilat {
 
@@ -34,7 +35,7 @@ struct SweepInterpretation {
 };
 
 // One interpretation at one threshold and one range of errors. NaN where nothing answered. Errors are
-// distances to the true joint; they and the iterations are over the answered trials.
+// distances to the true joint, over the answered trials; the iterations are over all trials.
 struct SweepCell {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::size_t interpretation = 0;
@@ -51,11 +52,15 @@ struct SweepCell {
   double p95_m = kNone;
   double max_m = kNone;
   double start_mae_m = kNone;      // mean distance of the starts, over all trials whose start is finite
-  double mean_iterations = kNone;  // of all trials, also of those that failed at the limit
+  double mean_iterations = kNone;  // also of those that failed at the limit
   double p50_iterations = kNone;
   double p99_iterations = kNone;
   double max_iterations = kNone;
 
+  // Half of the 95 % interval of mae_m, by Student's t over the answered trials.
+  double mae_half_interval_m() const {
+    return answered < 2 ? kNone : student_quantile(answered - 1) * mae_standard_error_m;
+  }
   double axis_mean_mae_m() const { return (axis_mae_m[0] + axis_mae_m[1] + axis_mae_m[2]) / 3.0; }
 
   static void fields(auto& self, auto&& field) {

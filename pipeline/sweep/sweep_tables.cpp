@@ -23,7 +23,7 @@ constexpr double kFewAnswers = 0.9;  // share of the trials; below it the factor
 double worst_half_interval(const SweepSummary& s, std::size_t reading) {
   double worst = 0.0;
   for (const SweepCell& c : s.cells)
-    if (c.interpretation == reading) worst = std::max(worst, 1.96 * c.mae_standard_error_m / c.mae_m);
+    if (c.interpretation == reading) worst = std::max(worst, c.mae_half_interval_m() / c.mae_m);
   return worst;
 }
 
@@ -210,8 +210,8 @@ Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
   const auto reading = [&](std::string SweepInterpretation::*member) {
     return as_text([&s, member](const R& r) { return s.interpretations[r.interpretation].*member; });
   };
-  const auto bound_m = [](double sigmas) {
-    return [=](const R& r) { return r.mae_m + sigmas * r.mae_standard_error_m; };
+  const auto bound_m = [](double halves) {
+    return [=](const R& r) { return r.mae_m + halves * r.mae_half_interval_m(); };
   };
   Table table = table_of<R>(
       "sweep", fmt::format("Every cell of the sweep, simulated; {} trials a cell, seed {}", s.trials, s.seed),
@@ -234,7 +234,7 @@ Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
        {"n", "n", as_count(&R::answered)},
        {"answered (%)", "coverage_percent",
         in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
-       {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, bound_m(-1.96), bound_m(1.96))},
+       {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, bound_m(-1.0), bound_m(1.0))},
        {"axis mean (cm)", "axis_mean_mae_cm", in_cm(&R::axis_mean_mae_m)},
        {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
        {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},

@@ -2,6 +2,7 @@
 """Reads session.h5, format 1: bodies and depth of every sensor."""
 import json
 import os
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -9,7 +10,8 @@ from types import TracebackType
 import h5py
 import numpy as np
 
-from trilat.errors import InputError
+from trilat.errors import InputError, ProgramError
+from trilat.skeleton import MIRRORED
 
 try:
     import hdf5plugin  # noqa: F401  (the filter of depth that trilat records)
@@ -142,11 +144,12 @@ class Session:
             raise InputError(self._file.filename, f'has no sensor "{name}"; it has {", ".join(self.sensors)}')
         return Sensor(self._file["sensors"][name])
 
-    def joints_in_world(self, calibration: str | os.PathLike, rate_hz: float = 30.0, longest_gap_s: float = 0.11) -> JointsInWorld:
+    def joints_in_world(self, calibration: str | os.PathLike, rate_hz: float = 30.0, longest_gap_s: float = 0.11,
+                        repair_exchanges: bool = True) -> JointsInWorld:
         """Joints of all sensors in the world of calibration.json, interpolated linearly at common instants, never across a
-        longer gap. Of several bodies in a frame the one with the most tracked joints is taken: for one person alone. Left and
-        right are as the sensors gave them: a study's own methods see exchanged sides put right, unless it says
-        "repair_exchanges": false."""
+        longer gap. Of several bodies in a frame the one with the most tracked joints is taken: for one person alone. Where a
+        tracker took a back for a front, left and right are put right, as a study's own methods see them (`trilat fuse` finds
+        where); with `repair_exchanges=False` they are as the sensors gave them."""
         document = json.loads(Path(calibration).read_text(encoding="utf-8"))
         poses = {sensor["name"]: sensor for sensor in document["sensors"]}
         missing = [name for name in self.sensors if name not in poses]
@@ -158,7 +161,29 @@ class Session:
         seen = [_at_instants(self[name].bodies(), times_s[name] - start_s, time_s, longest_gap_s) for name in self.sensors]
         position_m = np.stack([joints_m @ _turn(poses[name]["rotation_xyzw"]).T + poses[name]["position_m"]
                                for name, (joints_m, _) in zip(self.sensors, seen)], axis=1)
-        return JointsInWorld(time_s, self.sensors, position_m, np.stack([state for _, state in seen], axis=1))
+        state = np.stack([state for _, state in seen], axis=1)
+        if repair_exchanges:
+            exchanged = self._exchanged(calibration, time_s, rate_hz)
+            position_m[exchanged], state[exchanged] = position_m[exchanged][:, MIRRORED], state[exchanged][:, MIRRORED]
+        return JointsInWorld(time_s, self.sensors, position_m, state)
+
+    def _exchanged(self, calibration: str | os.PathLike, time_s: np.ndarray, rate_hz: float) -> np.ndarray:
+        """Whether left and right of each sensor (instants, sensors) are exchanged."""
+        from trilat.program import call  # which reads results, and they sessions
+
+        path = Path(self._file.filename)
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                fused = json.loads(call("fuse", path, "--calibration", calibration, "--method", "mean", "--rate-hz", str(rate_hz),
+                                        "-o", Path(folder) / "mean.csv", "--json"))
+            except (InputError, ProgramError) as error:
+                raise InputError(path, f"has left and right put right by `trilat fuse`, which failed: {error}. "
+                                            "joints_in_world(..., repair_exchanges=False) gives them as the sensors did") from error
+        exchanged = np.zeros((len(time_s), len(self.sensors)), bool)
+        for stretch in fused["exchanged"]:
+            within = (time_s > stretch["first_s"] - 0.5 / rate_hz) & (time_s < stretch["last_s"] + 0.5 / rate_hz)
+            exchanged[within, self.sensors.index(stretch["sensor"])] = True
+        return exchanged
 
     def close(self) -> None:
         self._file.close()

@@ -11,6 +11,9 @@ JOINTS: tuple[str, ...] = (
     "spine_shoulder", "hand_tip_left", "thumb_left", "hand_tip_right", "thumb_right")
 JOINT_COUNT = len(JOINTS)
 JOINT_NUMBER = {name: number for number, name in enumerate(JOINTS)}
+_OTHER_SIDE = {"left": "right", "right": "left"}
+# The number of each joint's counterpart on the other side; its own in the middle.
+MIRRORED = np.array([JOINT_NUMBER["_".join(_OTHER_SIDE.get(part, part) for part in name.split("_"))] for name in JOINTS])
 NOT_TRACKED, INFERRED, TRACKED = 0, 1, 2
 NEAREST_JOINT_M, FARTHEST_JOINT_M = 0.4, 10.0  # from the sensor; beyond them no Kinect measures a joint
 

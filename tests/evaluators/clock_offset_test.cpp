@@ -101,6 +101,20 @@ TEST(ClockOffset, IsFoundBetweenFramesThatAreTurned) {
   EXPECT_NEAR(found.offset_s, 0.0456, 1.5e-3);
 }
 
+TEST(ClockOffset, IsFoundWhereTheTruthCoversAPartOfTheTake) {
+  for (const double share : {0.6, 0.45, 0.3}) {
+    Recording recording = record(walker(3), 0.05, 8, {.duration_s = 40.0});
+    for (PointPath& truth : recording.truth) {
+      const auto kept = static_cast<std::size_t>(share * static_cast<double>(truth.time_s.size()));
+      truth.time_s.resize(kept);
+      truth.position_m.resize(kept);
+    }
+    const ClockOffset found = find(recording);
+    EXPECT_EQ(found.status, ClockOffsetStatus::found) << share;
+    EXPECT_NEAR(found.offset_s, 0.05, 0.003) << share;
+  }
+}
+
 TEST(ClockOffset, IsRefusedOnStandingStill) {
   const Motion still = generated_motion(draw_person(3, 0, 1.7, 0.17), Activity::standing);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {

@@ -148,6 +148,23 @@ TEST(RangeBearing, OneWrongSensorCannotPullARobustEstimateFar) {
   EXPECT_LT(error_m(Loss::cauchy), 0.03);
 }
 
+// With a view dismissed, four sensors state what the other three would.
+TEST(RangeBearing, AViewThatTheLossDismissesIsNotInTheCovariance) {
+  const auto rig = circle_rig(kHeights);
+  const RaySigma sigma{0.03, 0.03};
+  auto seen = seen_from(rig, {0.1, 1.0, 0.2}, {1e-6, 1e-6}, {18, Purpose::test, 0});
+  const RangeBearingOptions options{.sigma = sigma, .loss = Loss::cauchy};
+  const auto stated_m = [&] { return std::sqrt(solve_range_bearing(seen, rig, options).covariance.trace()); };
+  const double all_m = stated_m();
+  seen[2].point_in_world_m += Eigen::Vector3d(0.0, 1.5, 0.0);
+  seen[2].range_m = (seen[2].point_in_world_m - rig[2].translation_m).norm();
+  const double dismissed_m = stated_m();
+  seen[2] = {};
+  const double without_m = stated_m();
+  EXPECT_GT(without_m, 1.1 * all_m);
+  EXPECT_NEAR(dismissed_m, without_m, 0.02 * without_m);
+}
+
 TEST(RangeBearing, AnInferredJointCountsForLess) {
   const auto rig = circle_rig({1.0, 1.0});
   std::vector<JointObservation> seen{{true, TrackingState::tracked, {0, 1, 0}, 2.0},

@@ -91,6 +91,22 @@ TEST(Claims, SharesHaveExactIntervalsAndNeverAnImpossibleProbability) {
   EXPECT_GT(most.p_holds, 0.0);
 }
 
+// With no spread 16 runs show 83 % at most (1 - p = 0.95 two-sided), so more than 99 % is not undecided.
+TEST(Claims, AShareThatSoFewClustersCannotShowIsNotTested) {
+  const std::vector<double> frames(16, 1000.0);
+  PaperClaim claim = claim_named("c");
+  const auto judged = [&](const std::vector<double>& taken, double percent) {
+    claim.bound = more_than(percent);
+    return judge_claims(std::array{claim},
+                        std::vector{number_of(estimate_share(taken, frames), more_than(percent))})[0];
+  };
+  EXPECT_EQ(judged(frames, 99.0).verdict, kCannotTest);
+  EXPECT_THAT(judged(frames, 99.0).reason,
+              HasSubstr("16 participants cannot show more than 99 %: 368 would be"));
+  EXPECT_EQ(judged(frames, 75.0).verdict, kHolds);
+  EXPECT_EQ(judged(std::vector<double>(16, 500.0), 99.0).verdict, kDoesNotHold);
+}
+
 TEST(Claims, WhatIsListedWholeHasNoProbability) {
   PaperClaim listed = claim_named("c");
   listed.kind = ClaimKind::listed;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/errors/error_changes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -64,6 +65,34 @@ TEST(ErrorChanges, OfOtherPeopleHaveTheSpreadOfBoth) {
   EXPECT_FALSE(others->paired);
   EXPECT_NEAR(others->rows[0].difference_m, 0.02, 1e-12);
   EXPECT_GT(others->rows[0].high_m, 2.0 * same->rows[0].high_m - 0.02);
+  // variances 16 and 25 cm^2 of three each: standard error sqrt(41 / 3) cm, 3.8 degrees of freedom, t(3)
+  // = 3.1824
+  EXPECT_NEAR(others->rows[0].standard_error_m, 0.01 * std::sqrt(41.0 / 3.0), 1e-9);
+  EXPECT_EQ(others->rows[0].degrees, 3u);
+  EXPECT_NEAR(others->rows[0].high_m, 0.02 + 0.031824 * std::sqrt(41.0 / 3.0), 1e-6);
+}
+
+TEST(ErrorChanges, OfAnAverageAreThoseOfTheGroupsThatBothAnswer) {
+  ResultsSummary before;
+  before.methods = {"mean"};
+  before.conditions = {"walking"};
+  before.groups = {"wrist", "ankle"};
+  before.alignments = {"none"};
+  for (int p = 0; p < 3; ++p)
+    for (const char* group : {"wrist", "ankle"})
+      before.by_take.push_back({fmt::format("t{}", p), fmt::format("p{}", p), "walking", group,
+                                std::string(group) + "_left", "mean", 10, 10, 0.04});
+  ResultsSummary after = before;
+  for (TakeJointRow& row : after.by_take) {
+    if (row.group == "ankle") row.answered = 0;
+    row.mae_m = row.group == "ankle" ? kNoNumber : row.mae_m + 0.01;
+  }
+  const auto changes = changes_between(before, after);
+  ASSERT_TRUE(changes);
+  const auto average = std::ranges::find(changes->rows, std::string(kAverageGroup), &ErrorChange::group);
+  ASSERT_NE(average, changes->rows.end());
+  EXPECT_NEAR(average->difference_m, 0.01, 1e-12);
+  EXPECT_THAT(average->without, testing::ElementsAre("ankle"));
 }
 
 TEST(ErrorChanges, ARealOneIsSaidToBeOne) {

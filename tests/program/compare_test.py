@@ -250,26 +250,36 @@ class Compare(Compared):
 class Brought(ScratchTest):
     """A take of the made campaign brings the joints of an own method beside its session."""
 
-    def test_an_own_fusion_stands_in_every_table_beside_the_built_in_methods(self):
-        shutil.copytree(made() / "campaign", self.folder / "camp")
-        campaign = json.loads((self.folder / "camp/campaign.json").read_text())
+    def own_fusion(self, name, repair):
+        """Summary of a study with the mean of what the sensors see as a method of its own."""
+        camp = self.folder / name
+        shutil.copytree(made() / "campaign", camp)
+        campaign = json.loads((camp / "campaign.json").read_text())
         for take in campaign["takes"]:
-            with library.session(self.folder / "camp" / take["session"]) as session:
-                seen = session.joints_in_world(self.folder / "camp" / take["calibration"])
-            fused_m = np.nanmean(np.where((seen.tracking_state == 2)[..., None], seen.position_m, np.nan), axis=1)
-            library.write_joints(self.folder / f"camp/{take['id']}.csv", seen.time_s,
-                                 {joint: fused_m[:, number] for number, joint in enumerate(library.JOINTS)})
+            with library.session(camp / take["session"]) as session:
+                seen = session.joints_in_world(camp / take["calibration"], repair_exchanges=repair)
+            tracked_m = np.where((seen.tracking_state == 2)[..., None], seen.position_m, np.nan)
+            fused_m = np.nansum(tracked_m, axis=1) / np.isfinite(tracked_m).sum(axis=1)
+            library.write_joints(camp / f"{take['id']}.csv", seen.time_s, {joint: fused_m[:, number] for number, joint in enumerate(library.JOINTS)})
             take["joints"] = [{"method": "mine", "file": f"{take['id']}.csv"}]
-        (self.folder / "camp/campaign.json").write_text(json.dumps(campaign))
-        study = self.written("study.json", {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "own", "alignments": ["none"],
-                                            "repair_exchanges": False, "methods": [{"method": "mean"}, {"method": "nonlinear"}]})
-        trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results")
-        summary = json.loads((self.folder / "results/summary.json").read_text())
-        self.assertEqual(summary["methods"], ["mean", "nonlinear", "mine"])
-        error = {c["method"]: c["mae_m"] for c in summary["cells"] if c["group"] == "average" and c["condition"] == "walking"}
-        self.assertAlmostEqual(error["mine"], error["mean"], delta=0.01)
-        self.assertNotEqual(error["mine"], error["mean"])
-        self.assertIn("given", next(c for c in summary["cells"] if c["method"] == "mine")["statuses"])
+        (camp / "campaign.json").write_text(json.dumps(campaign))
+        study = self.written(f"{name}.json", {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "own", "alignments": ["none"],
+                                              "repair_exchanges": repair, "methods": [{"method": "mean"}, {"method": "nonlinear"}]})
+        trilat("run", study, "--campaign", camp, "-o", self.folder / "results", "--force")
+        return json.loads((self.folder / "results/summary.json").read_text())
+
+    def test_an_own_fusion_stands_in_every_table_beside_the_built_in_methods(self):
+        error = {}
+        for repair in (False, True):
+            with np.errstate(invalid="ignore"):
+                summary = self.own_fusion(f"camp{repair}", repair)
+            self.assertEqual(summary["methods"], ["mean", "nonlinear", "mine"])
+            error[repair] = {c["method"]: c["mae_m"] for c in summary["cells"] if c["group"] == "average" and c["condition"] == "walking"}
+            self.assertAlmostEqual(error[repair]["mine"], error[repair]["mean"], delta=0.01)
+            self.assertNotEqual(error[repair]["mine"], error[repair]["mean"])
+            self.assertIn("given", next(c for c in summary["cells"] if c["method"] == "mine")["statuses"])
+            self.assertEqual([note for note in summary["notes"] if note["place"].endswith("walking.csv")], [])
+        self.assertLess(error[True]["mine"], error[False]["mine"] - 0.01)
         trilat("report", self.folder / "results", "-o", self.folder / "report")
         self.assertIn(">mine<", (self.folder / "report/report.html").read_text())
 

@@ -12,7 +12,7 @@ import time
 import unittest
 from pathlib import Path
 
-from made import PROGRAM, SOURCE, ScratchTest, trilat
+from made import PROGRAM, SOURCE, ScratchTest, made, trilat
 
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "lab", "alignments": ["none"],
          "methods": [{"method": "mean"}, {"method": "nonlinear"}]}
@@ -161,6 +161,29 @@ sys.exit(code)
         self.assertIn("simulated sensors", said)
         self.assertIn("Simulated data", trilat("report", self.folder / "compared", "-o", self.folder / "report")
                       + (self.folder / "report/report.md").read_text())
+
+    def test_what_is_mistyped_is_named_with_what_was_meant(self):
+        self.assertIn("--campagin is not an option of run; did you mean --campaign?", trilat("run", "table3", "--campagin", "x", "-o", "r", code=2))
+        self.assertIn("--methd is not an option of fuse; did you mean --method?", trilat("fuse", "s.h5", "--calibration", "c", "-o", "x.trc", "--methd", "mean", code=2))
+        said = trilat("record", "-o", self.folder / "x.h5", "--duration-s", "1s", code=2)
+        self.assertIn('--duration-s: "1s" is not a number', said)
+        self.assertNotRegex(said, r"\d{20}")
+        self.assertIn("--rate-hz: is 0; it must lie between 0.1 and 1000", trilat("fuse", "s.h5", "--rate-hz", "0", "--calibration", "c", "-o", "x.trc", code=2))
+
+    def test_a_session_that_was_cut_is_named_so(self):
+        session = next((made() / "campaign").glob("*/session.h5"))
+        cut = self.folder / "cut.h5"
+        cut.write_bytes(session.read_bytes()[:20000])
+        for words in (["info", cut], ["verify", cut], ["fuse", cut, "--calibration", made() / "campaign/calibration.json", "-o", self.folder / "x.trc"]):
+            self.assertIn("cut.h5: is cut short or damaged: it begins as HDF5 does", trilat(*words, code=2))
+
+    def test_a_figure_of_no_known_style_is_refused_at_its_place(self):
+        shutil.copytree(made() / "results", self.folder / "results")
+        figures = self.folder / "results/figures.json"
+        text = figures.read_text()
+        self.assertIn('"style": 0', text)
+        figures.write_text(text.replace('"style": 0', '"style": 99', 1))
+        self.assertRegex(trilat("report", self.folder / "results", "-o", self.folder / "report", code=2), r"figures.json /figures/\d+/series/\d+/style: must lie between 0 and 3")
 
     def test_names_that_differ_in_case_alone_are_noted(self):
         campaign = self.campaign()

@@ -85,7 +85,10 @@ std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned
         fmt::join(std::span(brought.left_out).first(std::min<std::size_t>(8, brought.left_out.size())),
                   ", ")));
   const PointStream reference = truth_stream(plan, truth), subject = brought_stream(plan, brought);
-  const StreamFit fit = fit_streams({reference, subject}, mirrored_points(plan.names));
+  // what is made of a recording's bodies has the trackers' lag, some 0.05 s
+  constexpr double kMinStart_s = 0.02, kMinStartOfBodies_s = 0.07;
+  const StreamFit fit = fit_streams({reference, subject}, mirrored_points(plan.names),
+                                    {.min_start_s = plan.rig.empty() ? kMinStart_s : kMinStartOfBodies_s});
   const bool shows_start = fit.status == StreamFitStatus::found && fit.changes.front().has_start &&
                            !fit.changes.front().has_stretch;
   const bool is_applied = shows_start && brought.joints->clock_by_motion;
