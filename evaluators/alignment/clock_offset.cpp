@@ -97,13 +97,16 @@ struct ComparedJoint {
   std::vector<QuickMotion> estimate;
   std::shared_ptr<const TruthGrid> truth;  // parts of a joint share it
 
-  // Samples that the truth could meet at the best offset: it may cover a part of the take alone.
-  double samples_in_common() const {
-    const double known = static_cast<double>(
-        std::ranges::count_if(truth->speed_m_s, [](float speed_m_s) { return std::isfinite(speed_m_s); }));
+  // Samples that must meet a truth at an offset: half of them, or most of what a truth that covers a part of
+  // the take can meet.
+  double samples_needed() const {
+    constexpr double kOfAll = 0.5, kOfCovered = 0.8;
     const auto samples = static_cast<double>(time_s.size());
     if (samples < 2.0) return samples;
-    return std::min(samples, known * truth->step_s * (samples - 1.0) / (time_s.back() - time_s.front()));
+    const double known = static_cast<double>(
+        std::ranges::count_if(truth->speed_m_s, [](float speed_m_s) { return std::isfinite(speed_m_s); }));
+    const double covered = known * truth->step_s * (samples - 1.0) / (time_s.back() - time_s.front());
+    return std::min(kOfAll * samples, kOfCovered * covered);
   }
 };
 
@@ -113,7 +116,7 @@ struct Correlation {
 };
 
 // Of the speeds at one offset.
-Correlation correlation(const ComparedJoint& joint, double in_common, double offset_s) {
+Correlation correlation(const ComparedJoint& joint, double needed, double offset_s) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
     const double a = static_cast<double>(joint.estimate[i].speed_m_s),
@@ -127,7 +130,7 @@ Correlation correlation(const ComparedJoint& joint, double in_common, double off
     xy += a * b;
   }
   // Far from zero the streams overlap less, and a few samples agree by chance.
-  if (n < 10.0 || n < 0.5 * in_common) return {};
+  if (n < 10.0 || n < needed) return {};
   const double vx = xx - x * x / n, vy = yy - y * y / n;
   return {vx > 0.0 && vy > 0.0 ? (xy - x * y / n) / std::sqrt(vx * vy) : kNaN,
           std::sqrt(std::max(0.0, vy / n))};
@@ -139,8 +142,8 @@ class SpeedCurve {
   SpeedCurve(const std::vector<ComparedJoint>& joints, const ClockOffsetOptions& options)
       : joints_(joints), options_(options) {
     for (const ComparedJoint& joint : joints) {
-      in_common_.push_back(joint.samples_in_common());
-      moving_.push_back(correlation(joint, in_common_.back(), 0.0).spread_m_s >= options.least_speed_m_s);
+      needed_.push_back(joint.samples_needed());
+      moving_.push_back(correlation(joint, needed_.back(), 0.0).spread_m_s >= options.least_speed_m_s);
     }
   }
   bool moves() const { return std::ranges::count(moving_, true) > 0; }
@@ -148,7 +151,7 @@ class SpeedCurve {
     double sum = 0.0, count = 0.0;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       if (!moving_[j]) continue;
-      const Correlation c = correlation(joints_[j], in_common_[j], step / options_.grid_hz);
+      const Correlation c = correlation(joints_[j], needed_[j], step / options_.grid_hz);
       if (!std::isfinite(c.value)) continue;
       sum += c.value;
       count += 1.0;
@@ -159,7 +162,7 @@ class SpeedCurve {
  private:
   const std::vector<ComparedJoint>& joints_;
   const ClockOffsetOptions& options_;
-  std::vector<double> in_common_;  // samples, by joint
+  std::vector<double> needed_;  // samples, by joint
   std::vector<bool> moving_;
 };
 

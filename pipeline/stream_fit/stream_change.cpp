@@ -171,6 +171,16 @@ TimeBlocks blocks_of(const StreamPair& pair) {
   return blocks;
 }
 
+double mean_of_known(const std::vector<double>& values) {
+  double sum = 0.0, count = 0.0;
+  for (const double value : values)
+    if (std::isfinite(value)) {
+      sum += value;
+      count += 1.0;
+    }
+  return count > 0.0 ? sum / count : kNaN;
+}
+
 ChangeErrors errors_of_change(const StreamPair& pair, const TimeBlocks& blocks, const StreamChange& change) {
   const std::vector<Pair> pairs = pairs_of_change(pair, blocks, change);
   const std::size_t points = pair.reference.points;

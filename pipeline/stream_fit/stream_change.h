@@ -138,6 +138,8 @@ struct TimeBlocks {
   std::size_t step = 1;  // instants of the reference between two that are looked at
 };
 TimeBlocks blocks_of(const StreamPair& pair);
+// Mean of the values that are finite; NaN where there are none.
+double mean_of_known(const std::vector<double>& values);
 ChangeErrors errors_of_change(const StreamPair& pair, const TimeBlocks& blocks, const StreamChange& change);
 // The same change with its frame fitted to all pairs.
 StreamChange fitted(const StreamPair& pair, const TimeBlocks& blocks, StreamChange change);

@@ -2,449 +2,81 @@
 #include "pipeline/stream_fit/stream_fit.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <set>
-#include <tuple>
+#include <cstdint>
 
 #include "evaluators/metrics/student.h"
-#include "evaluators/solvers/point_estimate.h"
 #include "pipeline/stream_fit/size_candidates.h"
 #include "pipeline/stream_fit/stream_clock.h"
+#include "pipeline/stream_fit/stream_search.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMinJudgedBlocks = 4;  // judged
-constexpr double kEarnedShare = 0.8;         // of the error without a cause may be left with it
+constexpr std::size_t kMinJudgedBlocks = 4;
+constexpr double kEarnedShare = 0.8;  // of the error without a cause may be left with it
 constexpr double kMinGain_m = 0.008;
 constexpr double kEarnedAlpha = 0.0027;  // two-sided: three standard errors of many blocks
 constexpr double kMarginAlpha = 0.32;    // one standard error
 constexpr double kUnexplained_m = 0.2;   // mean distance
-constexpr double kMinTurn_rad = 0.05, kMinShift_m = 0.15, kMinDrift_s = 0.02;
-constexpr double kMinScale = 0.10;  // sound systems differ by up to 9.3 %
-constexpr std::size_t kCoarseInstants = 120, kMaxCoarseInstants = 1500;
-constexpr std::size_t kKeptOfClass = 3;     // starts that are refined
-constexpr std::size_t kLeading = 24;        // kinds of changes that are judged with all simpler ones
-constexpr std::size_t kExchangesFrom = 10;  // leading changes in which exchanged points are looked for
-constexpr double kExchangedShare = 0.6, kExchangedPoint_m = 0.10;
-constexpr double kRefineStart_s = 0.02, kFinest = 1.0 / 64.0;
+constexpr double kMinScale = 0.10;       // sound systems differ by up to 9.3 %
 
-using Order = std::vector<std::size_t>;
-
-// What is chosen from lists, and the kind of the clock: changes of one class differ in numbers alone.
-struct ChangeClass {
-  std::size_t size = 0, order = 0, root = 0;
-  FrameChange frame = FrameChange::none;
-  bool mirrored = false, has_start = false, has_stretch = false;
-  auto operator<=>(const ChangeClass&) const = default;
-};
-
-struct Candidate {
-  StreamChange change;
-  double rms_m = HUGE_VAL;
-};
-
-struct Judged {
-  StreamChange change;
-  unsigned causes = 0;
-  int parameters = 0;
-  ChangeErrors errors;
-  double mean_m = kNaN;  // over the blocks that any change answers
-};
-
-// Constant pose of each point: what is left where streams have no time in common.
-std::vector<double> pose_errors_m(const PointStream& reference, const TimeBlocks& blocks) {
-  std::vector<Eigen::Vector3d> mean_m(reference.points, Eigen::Vector3d::Zero());
-  std::vector<double> count(reference.points, 0.0);
-  for (std::size_t k = 0; k < reference.at_m.size(); ++k)
-    if (reference.at_m[k].allFinite()) {
-      mean_m[k % reference.points] += reference.at_m[k];
-      count[k % reference.points] += 1.0;
-    }
-  for (std::size_t j = 0; j < reference.points; ++j) mean_m[j] /= std::max(1.0, count[j]);
-  std::vector<double> errors_m(blocks.count, 0.0), pairs(blocks.count, 0.0);
-  for (std::size_t k = 0; k < reference.at_m.size(); ++k) {
-    if (!reference.at_m[k].allFinite()) continue;
-    const double since_s = static_cast<double>(k / reference.points) / reference.rate_hz;
-    const std::size_t b = std::min(blocks.count - 1, static_cast<std::size_t>(since_s / blocks.length_s));
-    errors_m[b] += (reference.at_m[k] - mean_m[k % reference.points]).norm();
-    pairs[b] += 1.0;
-  }
-  for (std::size_t b = 0; b < blocks.count; ++b) errors_m[b] = pairs[b] > 0.0 ? errors_m[b] / pairs[b] : kNaN;
-  return errors_m;
-}
-
-// Root mean square of what a constant pose leaves.
-double pose_rms_m(const std::vector<double>& pose_errors) {
-  double sum = 0.0, count = 0.0;
-  for (const double m : pose_errors)
-    if (std::isfinite(m)) {
-      sum += m * m;
-      count += 1.0;
-    }
-  return count > 0.0 ? std::sqrt(sum / count) : kNaN;
-}
-
-class StreamFitter {
+class ChangeChoice {
  public:
-  StreamFitter(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-               const StreamFitOptions& options)
-      : options_(options),
-        pair_(pair),
-        mirrored_(mirrored),
-        blocks_(blocks_of(pair)),
-        pose_m_(pose_errors_m(pair.reference, blocks_)),
-        pose_rms_m_(pose_rms_m(pose_m_)) {
-    const double both_s = std::max(0.5, std::min(pair.reference.duration_s(), pair.subject.duration_s()));
-    const auto instants = static_cast<double>(pair.reference.instants());
-    const double wanted = std::min(static_cast<double>(kMaxCoarseInstants),
-                                   kCoarseInstants * std::max(1.0, pair.reference.duration_s() / both_s));
-    coarse_step_ = std::max<std::size_t>(1, static_cast<std::size_t>(instants / wanted));
-    for (std::size_t i = 0; i < pair.reference.instants(); i += coarse_step_)
-      for (std::size_t j = 0; j < pair.reference.points; ++j)
-        coarse_pairs_ += pair.reference.at(i, j).allFinite() ? 1.0 : 0.0;
-  }
+  ChangeChoice(const StreamPair& pair, const TimeBlocks& blocks, std::vector<JudgedChange> judged)
+      : pair_(pair), blocks_(blocks), judged_(std::move(judged)) {}
 
-  StreamFit run() {
-    StreamFit fit;
-    fit.overlap_s = std::max(0.0, std::min(pair_.reference.first_s + pair_.reference.duration_s(),
-                                           pair_.subject.first_s + pair_.subject.duration_s()) -
-                                      std::max(pair_.reference.first_s, pair_.subject.first_s));
-    if (const auto axis = flat_axis(pair_)) {
-      fit.status = StreamFitStatus::flat;
-      fit.flat_axis = *axis;
-      return fit;
+  StreamFit choose(StreamFit fit) const {
+    if (judged_.empty()) return fit;
+    const auto best = std::ranges::min_element(judged_, {}, &JudgedChange::mean_m);
+    std::size_t blocks = 0;
+    for (const double m : best->errors.judged_m) blocks += std::isfinite(m) ? 1 : 0;
+    if (blocks < kMinJudgedBlocks) return fit;
+    std::vector<const JudgedChange*> left;
+    for (const JudgedChange& judged : judged_) {
+      if (&judged != &*best && !is_within_margin(judged, *best)) continue;
+      const JudgedChange* const simple = simplest(&judged);
+      if (std::ranges::find(left, simple) == left.end()) left.push_back(simple);
     }
-    const ChangeErrors unchanged = errors_of_change(pair_, blocks_, {});
-    if (mean_of(unchanged.judged_m) < kMinGain_m) {  // no change can earn its place
+    const auto count_of = [](const JudgedChange* judged) { return explanations(judged->causes); };
+    const int fewest = count_of(*std::ranges::min_element(left, {}, count_of));
+    std::erase_if(left, [&](const JudgedChange* judged) { return count_of(judged) > fewest; });
+    std::ranges::sort(left, {}, [](const JudgedChange* judged) { return judged->mean_m; });
+    const JudgedChange& chosen = *left.front();
+    // explanations of another kind that this one is not clearly better than
+    for (const JudgedChange& other : judged_)
+      if (other.causes != 0 && other.causes != chosen.causes && count_of(&other) <= fewest &&
+          earns(judged_.front(), other) && !earns(other, chosen) && simplest(&other) == &other)
+        left.push_back(&other);
+    for (const JudgedChange* judged : left)
+      if (std::ranges::none_of(fit.changes,
+                               [&](const StreamChange& c) { return is_same(c, judged->change); }))
+        fit.changes.push_back(judged->change);
+    without_small_scales(fit.changes);
+    for (StreamChange& change : fit.changes) change = at_known_rate(change);
+    const ChangeErrors errors =
+        errors_of_change(pair_, blocks_, fit.changes.empty() ? StreamChange{} : fit.changes.front());
+    fit.before_m = mean_of_known(judged_.front().errors.plain_m);
+    fit.after_m = mean_of_known(errors.plain_m);
+    fit.of_point_m = errors.of_point_m;
+    if (mean_of_known(errors.judged_m) > kUnexplained_m)
+      fit.status = StreamFitStatus::unexplained;
+    else if (fit.changes.empty())
       fit.status = StreamFitStatus::sound;
-      fit.before_m = fit.after_m = mean_of(unchanged.plain_m);
-      fit.of_point_m = unchanged.of_point_m;
-      return fit;
-    }
-    propose();
-    judge_leading();
-    return choose(fit);
+    else
+      fit.status = fit.changes.size() > 1 ? StreamFitStatus::one_of : StreamFitStatus::found;
+    return fit;
   }
 
  private:
-  // ---- proposals -----------------------------------------------------------------------------------------
-  void propose() {
-    sizes_ = size_candidates(pair_);
-    roots_.emplace_back();
-    for (const BodyRoot& root : root_candidates(pair_, mirrored_)) roots_.emplace_back(root);
-    Order same(pair_.reference.points);
-    std::iota(same.begin(), same.end(), 0);
-    orders_.push_back(same);
-    if (mirrored_ != same) orders_.push_back(mirrored_);
-    for (const std::vector<SizeChange>& sizes : sizes_)
-      clocks_.push_back(clock_candidates(pair_, mirrored_, sizes));
-    for (std::size_t order = 0; order < orders_.size(); ++order) look_at_order(order);
-    for (const Order& order : exchanges()) {
-      orders_.push_back(order);
-      look_at_order(orders_.size() - 1);
-    }
-  }
-
-  void look_at_order(std::size_t order) {
-    for (std::size_t size = 0; size < sizes_.size(); ++size)
-      for (std::size_t root = 0; root < roots_.size(); ++root)
-        for (const StreamChange& clock : clocks_[size]) {
-          StreamChange change = clock;
-          if (order > 0) change.order = orders_[order];
-          change.root = roots_[root];
-          look_at(change, {.size = size, .order = order, .root = root});
-        }
-  }
-
-  // Squared distances that a change leaves with each frame. A constant pose stands in where it has no point.
-  template <class Visit>
-  void with_each_frame(const StreamChange& change, const Visit& visit) const {
-    FrameSums sums;
-    ChangedPairs changed(pair_, change);
-    for (std::size_t i = 0; i < pair_.reference.instants(); i += coarse_step_)
-      changed.visit(i, [&](std::size_t, const Eigen::Vector3d& reference, const Eigen::Vector3d& subject) {
-        sums.add(reference, subject);
-      });
-    constexpr double kMinShare = 0.05;  // of the pairs of the shorter stream
-    if (sums.pairs < kMinShare * std::min(coarse_pairs_, shorter_pairs())) return;
-    const double posed_m2 = std::max(0.0, coarse_pairs_ - sums.pairs) * pose_rms_m_ * pose_rms_m_;
-    for (const FrameChange frame : {FrameChange::none, FrameChange::shifted, FrameChange::axes,
-                                    FrameChange::axes_shifted, FrameChange::turned})
-      for (const bool mirrored : {false, true}) {
-        if (mirrored && (frame == FrameChange::none || frame == FrameChange::shifted)) continue;
-        if (change.root && (frame == FrameChange::shifted || frame == FrameChange::axes_shifted)) continue;
-        const double squares_m2 = fit_frame(sums, frame, mirrored).squares_m2 + posed_m2;
-        visit(frame, mirrored, std::sqrt(squares_m2 / std::max(1.0, coarse_pairs_)));
-      }
-  }
-  double shorter_pairs() const {
-    return coarse_pairs_ *
-           std::min(1.0, pair_.subject.duration_s() / std::max(1e-9, pair_.reference.duration_s()));
-  }
-
-  void look_at(const StreamChange& change, ChangeClass of) {
-    of.has_start = change.has_start;
-    of.has_stretch = change.has_stretch;
-    with_each_frame(change, [&](FrameChange frame, bool mirrored, double rms_m) {
-      of.frame = frame;
-      of.mirrored = mirrored;
-      Candidate candidate{change, rms_m};
-      candidate.change.frame = frame;
-      candidate.change.mirrored = mirrored;
-      keep(of, std::move(candidate));
-    });
-    // a rate that drifts is looked for about every start, and about the stated one
-    if (!change.has_stretch && of.has_start) return;
-    if (!change.has_stretch) {
-      StreamChange drifting = change;
-      drifting.has_stretch = true;
-      look_at(drifting, of);
-    }
-  }
-
-  void keep(const ChangeClass& of, Candidate candidate) {
-    std::vector<Candidate>& kept = classes_[of];
-    kept.push_back(std::move(candidate));
-    std::ranges::stable_sort(kept, {}, &Candidate::rms_m);
-    if (kept.size() > kKeptOfClass) kept.pop_back();
-  }
-
-  // Classes by what their best change leaves.
-  std::vector<std::pair<double, ChangeClass>> ranked() const {
-    std::vector<std::pair<double, ChangeClass>> list;
-    for (const auto& [of, kept] : classes_) list.emplace_back(kept.front().rms_m, of);
-    std::ranges::sort(list);
-    return list;
-  }
-
-  // Orders of points under which leading changes leave clearly less: exchanged sides, or any two points.
-  std::set<Order> exchanges() const {
-    std::set<Order> found;
-    std::size_t looked = 0;
-    for (const auto& [rms_m, of] : ranked()) {
-      if (looked++ == kExchangesFrom) break;
-      const StreamChange& change = classes_.at(of).front().change;
-      if (Order order = exchanged(change, orders_[of.order]);
-          std::ranges::find(orders_, order) == orders_.end())
-        found.insert(std::move(order));
-    }
-    return found;
-  }
-
-  Order exchanged(const StreamChange& base, Order order) const {
-    const std::size_t points = order.size();
-    StreamChange change = base;
-    change.order.clear();
-    FrameSums sums;
-    std::vector<std::vector<Eigen::Vector3d>> reference, subject;  // by instant
-    StreamChange ordered = base;
-    ChangedPairs with_order(pair_, ordered), plain(pair_, change);
-    for (std::size_t i = 0; i < pair_.reference.instants(); i += coarse_step_) {
-      with_order.visit(
-          i, [&](std::size_t, const Eigen::Vector3d& a, const Eigen::Vector3d& b) { sums.add(a, b); });
-      reference.emplace_back(points, Eigen::Vector3d::Constant(kNaN));
-      subject.emplace_back(points, Eigen::Vector3d::Constant(kNaN));
-      plain.visit(i, [&](std::size_t j, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-        reference.back()[j] = a;
-        subject.back()[j] = b;
-      });
-    }
-    const FrameFit fit = fit_frame(sums, base.frame, base.mirrored);
-    const auto distance_m = [&](std::size_t of_reference, std::size_t of_subject) {
-      double sum = 0.0, count = 0.0;
-      for (std::size_t i = 0; i < reference.size(); ++i) {
-        const double m =
-            (reference[i][of_reference] - fit.rotation * subject[i][of_subject] - fit.shift_m).norm();
-        if (!std::isfinite(m)) continue;
-        sum += m;
-        count += 1.0;
-      }
-      return count > 0.0 ? sum / count : HUGE_VAL;
-    };
-    std::vector<bool> taken(points, false);
-    const auto try_exchange = [&](std::size_t j, std::size_t k) {
-      if (taken[j] || taken[k]) return;
-      const double now_j = distance_m(j, order[j]), now_k = distance_m(k, order[k]);
-      const double then_j = distance_m(j, order[k]), then_k = distance_m(k, order[j]);
-      if (!(then_j + then_k < kExchangedShare * (now_j + now_k)) || !(now_j + now_k > kExchangedPoint_m))
-        return;
-      std::swap(order[j], order[k]);
-      taken[j] = taken[k] = true;
-    };
-    for (std::size_t j = 0; j < points; ++j)
-      if (mirrored_[j] > j) try_exchange(j, mirrored_[j]);
-    for (std::size_t j = 0; j < points; ++j)
-      for (std::size_t k = j + 1; k < points; ++k) try_exchange(j, k);
-    return order;
-  }
-
-  // ---- judging -------------------------------------------------------------------------------------------
-  double rms_of(const StreamChange& change) const {
-    double found = HUGE_VAL;
-    with_each_frame(change, [&](FrameChange frame, bool mirrored, double rms_m) {
-      if (frame == change.frame && mirrored == change.mirrored) found = rms_m;
-    });
-    return found;
-  }
-
-  // Start and rate that leave least, near where they are: a search along both with halved steps.
-  void refine(Candidate& candidate) const {
-    StreamChange& change = candidate.change;
-    if (!change.has_start && !change.has_stretch) return;
-    const double half_s =
-        std::max(0.5, 0.5 * std::min(pair_.subject.duration_s(), pair_.reference.duration_s()));
-    const auto moved = [&](double later_s, double faster) {
-      StreamChange to = change;
-      to.stretch += faster;
-      to.start_s += later_s;
-      // about the middle of the subject, unless both begin together
-      if (change.has_start) to.start_s -= faster * 0.5 * pair_.subject.duration_s();
-      return to;
-    };
-    candidate.rms_m = rms_of(change);
-    for (double step = 1.0; step >= kFinest;) {
-      bool better = false;
-      const double step_s = step * kRefineStart_s;
-      for (const auto& [later_s, faster] :
-           {std::pair{step_s, 0.0}, {-step_s, 0.0}, {0.0, step_s / half_s}, {0.0, -step_s / half_s}}) {
-        if ((later_s != 0.0 && !change.has_start) || (faster != 0.0 && !change.has_stretch)) continue;
-        StreamChange to = moved(later_s, faster);
-        if (const double rms_m = rms_of(to); rms_m < candidate.rms_m) {
-          candidate.rms_m = rms_m;
-          change = to;
-          better = true;
-        }
-      }
-      if (!better) step *= 0.5;
-    }
-  }
-
-  // Whether there are blocks enough of what the shorter stream could answer.
-  bool answers_enough(const ChangeErrors& errors) const {
-    constexpr double kMinAnswered = 0.3;
-    const auto answered = static_cast<std::size_t>(
-        std::ranges::count_if(errors.judged_m, [](double m) { return std::isfinite(m); }));
-    const double possible =
-        static_cast<double>(blocks_.count) * shorter_pairs() / std::max(1.0, coarse_pairs_);
-    return answered >= kMinJudgedBlocks && static_cast<double>(answered) >= kMinAnswered * possible;
-  }
-
-  // What is below the limits is no change.
-  bool is_noticed(const StreamChange& change) const {
-    if (change.has_start && std::abs(change.start_s) < options_.min_start_s && !change.has_stretch)
-      return false;
-    if (change.has_stretch && std::abs(change.stretch - 1.0) * 0.5 * pair_.subject.duration_s() < kMinDrift_s)
-      return false;
-    if (change.frame == FrameChange::shifted && change.shift_m.norm() < kMinShift_m) return false;
-    return change.frame != FrameChange::turned || change.mirrored ||
-           std::acos(std::clamp(0.5 * (change.rotation.trace() - 1.0), -1.0, 1.0)) > kMinTurn_rad;
-  }
-
-  void judge(const ChangeClass& of) {
-    if (!judged_classes_.insert(of).second) return;
-    const auto found = classes_.find(of);
-    if (found == classes_.end()) return;
-    for (Candidate& candidate : found->second) {
-      refine(candidate);
-      StreamChange change = fitted(pair_, blocks_, candidate.change);
-      if (!is_noticed(change)) continue;
-      Judged judged{change, causes_of(change), parameters_of(change),
-                    errors_of_change(pair_, blocks_, change)};
-      if (answers_enough(judged.errors)) judged_.push_back(std::move(judged));
-    }
-  }
-
-  // The leading classes, and each with some of its causes taken away.
-  void judge_leading() {
-    add_drifting_starts();
-    judged_classes_.insert(ChangeClass{});
-    judged_.push_back({{}, 0, 0, errors_of_change(pair_, blocks_, {})});  // no change comes first
-    std::size_t count = 0;
-    for (const auto& [rms_m, of] : ranked()) {
-      if (count++ == kLeading) break;
-      for (const std::size_t size : std::set<std::size_t>{0, of.size})
-        for (const std::size_t order : std::set<std::size_t>{0, of.order})
-          for (const std::size_t root : std::set<std::size_t>{0, of.root})
-            for (const FrameChange frame : simpler_frames(of.frame))
-              for (const bool mirrored : std::set<bool>{false, of.mirrored})
-                for (const bool has_start : std::set<bool>{false, of.has_start})
-                  for (const bool has_stretch : std::set<bool>{false, of.has_stretch})
-                    judge({size, order, root, frame, mirrored, has_start, has_stretch});
-    }
-    for (std::size_t b = 0; b < blocks_.count; ++b) {
-      double most = 0.0;
-      for (const Judged& judged : judged_) most = std::max(most, judged.errors.pairs[b]);
-      // where a change leaves nothing to compare, it is as good as a constant pose, and no better than none
-      const double unchanged_m = judged_.front().errors.judged_m[b];
-      const double unanswered_m = std::isnan(unchanged_m) ? pose_m_[b] : std::max(pose_m_[b], unchanged_m);
-      constexpr double kAnswered = 0.2;
-      for (Judged& judged : judged_) {
-        double& error_m = judged.errors.judged_m[b];
-        if (most > 0.0 && (std::isnan(error_m) || judged.errors.pairs[b] < kAnswered * most))
-          error_m = unanswered_m;
-        if (most == 0.0) error_m = kNaN;
-      }
-    }
-    for (Judged& judged : judged_) judged.mean_m = mean_of(judged.errors.judged_m);
-    std::erase_if(judged_, [](const Judged& judged) { return std::isnan(judged.mean_m); });
-  }
-
-  // Leading starts also with a rate of their own.
-  void add_drifting_starts() {
-    std::vector<std::pair<ChangeClass, Candidate>> more;
-    std::size_t count = 0;
-    for (const auto& [rms_m, of] : ranked()) {
-      if (!of.has_start || of.has_stretch) continue;
-      if (count++ == kLeading) break;
-      ChangeClass drifting = of;
-      drifting.has_stretch = true;
-      Candidate candidate = classes_.at(of).front();
-      candidate.change.has_stretch = true;
-      more.emplace_back(drifting, std::move(candidate));
-    }
-    for (auto& [of, candidate] : more) keep(of, std::move(candidate));
-  }
-
-  static std::vector<FrameChange> simpler_frames(FrameChange frame) {
-    switch (frame) {
-      case FrameChange::none:
-        return {FrameChange::none};
-      case FrameChange::shifted:
-        return {FrameChange::none, FrameChange::shifted};
-      case FrameChange::axes:
-        return {FrameChange::none, FrameChange::axes};
-      case FrameChange::axes_shifted:
-        return {FrameChange::none, FrameChange::shifted, FrameChange::axes, FrameChange::axes_shifted};
-      case FrameChange::turned:
-        return {FrameChange::none, FrameChange::shifted, FrameChange::axes, FrameChange::axes_shifted,
-                FrameChange::turned};
-    }
-    return {frame};
-  }
-
-  static double mean_of(const std::vector<double>& values) {
-    double sum = 0.0, count = 0.0;
-    for (const double value : values)
-      if (std::isfinite(value)) {
-        sum += value;
-        count += 1.0;
-      }
-    return count > 0.0 ? sum / count : kNaN;
-  }
-
-  // ---- choosing ------------------------------------------------------------------------------------------
   struct Difference {
     double mean_m = 0.0, sigma_m = 0.0, of_one_m = 0.0, of_other_m = 0.0;
     std::size_t blocks = 0;
   };
   // Error of one less that of the other, on blocks that at least one of both answers.
-  static Difference difference(const Judged& one, const Judged& other, std::size_t first_block = 0,
-                               std::size_t end_block = SIZE_MAX) {
+  static Difference difference(const JudgedChange& one, const JudgedChange& other,
+                               std::size_t first_block = 0, std::size_t end_block = SIZE_MAX) {
     Difference d;
     double squares = 0.0;
     for (std::size_t b = first_block; b < std::min(end_block, one.errors.judged_m.size()); ++b) {
@@ -465,7 +97,7 @@ class StreamFitter {
   }
 
   // The blocks in which numbers have another size, where that is the difference; else all.
-  std::pair<std::size_t, std::size_t> touched(const Judged& one, const Judged& other) const {
+  std::pair<std::size_t, std::size_t> touched(const JudgedChange& one, const JudgedChange& other) const {
     const unsigned sizes = other.causes & ~one.causes & (kLaterSizeCause | kSizeCause);
     if (sizes != kLaterSizeCause) return {0, SIZE_MAX};
     const SizeChange& size = other.change.sizes.back();
@@ -478,25 +110,25 @@ class StreamFitter {
   }
 
   // Whether what `complex` has beyond `simple` is worth it.
-  bool earns(const Judged& simple, const Judged& complex) const {
+  bool earns(const JudgedChange& simple, const JudgedChange& complex) const {
     const auto [first, end] = touched(simple, complex);
     const Difference d = difference(simple, complex, first, end);
     return d.blocks >= kMinJudgedBlocks && d.of_other_m < kEarnedShare * d.of_one_m &&
            d.mean_m > kMinGain_m && d.mean_m > student_quantile(d.blocks - 1, kEarnedAlpha) * d.sigma_m;
   }
-  static bool is_within_margin(const Judged& judged, const Judged& best) {
+  static bool is_within_margin(const JudgedChange& judged, const JudgedChange& best) {
     const Difference d = difference(judged, best);
     return d.blocks >= 2 && d.mean_m <= student_quantile(d.blocks - 1, kMarginAlpha) * d.sigma_m;
   }
-  static bool is_simpler(const Judged& simple, const Judged& complex) {
+  static bool is_simpler(const JudgedChange& simple, const JudgedChange& complex) {
     return (simple.causes & ~complex.causes) == 0 && simple.parameters < complex.parameters;
   }
 
   // Takes away what is not earned.
-  const Judged* simplest(const Judged* judged) const {
+  const JudgedChange* simplest(const JudgedChange* judged) const {
     while (true) {
-      const Judged* better = nullptr;
-      for (const Judged& simple : judged_) {
+      const JudgedChange* better = nullptr;
+      for (const JudgedChange& simple : judged_) {
         if (!is_simpler(simple, *judged) || earns(simple, *judged)) continue;
         if (simple.causes != 0 && !earns(judged_.front(), simple)) continue;
         if (!better || simple.mean_m < better->mean_m) better = &simple;
@@ -520,48 +152,6 @@ class StreamFitter {
            a.sizes.size() == b.sizes.size();
   }
 
-  StreamFit choose(StreamFit fit) const {
-    if (judged_.empty()) return fit;
-    const auto best = std::ranges::min_element(judged_, {}, &Judged::mean_m);
-    std::size_t blocks = 0;
-    for (const double m : best->errors.judged_m) blocks += std::isfinite(m) ? 1 : 0;
-    if (blocks < kMinJudgedBlocks) return fit;
-    std::vector<const Judged*> left;
-    for (const Judged& judged : judged_) {
-      if (&judged != &*best && !is_within_margin(judged, *best)) continue;
-      const Judged* const simple = simplest(&judged);
-      if (std::ranges::find(left, simple) == left.end()) left.push_back(simple);
-    }
-    const auto count_of = [](const Judged* judged) { return explanations(judged->causes); };
-    const int fewest = count_of(*std::ranges::min_element(left, {}, count_of));
-    std::erase_if(left, [&](const Judged* judged) { return count_of(judged) > fewest; });
-    std::ranges::sort(left, {}, [](const Judged* judged) { return judged->mean_m; });
-    const Judged& chosen = *left.front();
-    // explanations of another kind that this one is not clearly better than
-    for (const Judged& other : judged_)
-      if (other.causes != 0 && other.causes != chosen.causes && count_of(&other) <= fewest &&
-          earns(judged_.front(), other) && !earns(other, chosen) && simplest(&other) == &other)
-        left.push_back(&other);
-    for (const Judged* judged : left)
-      if (std::ranges::none_of(fit.changes,
-                               [&](const StreamChange& c) { return is_same(c, judged->change); }))
-        fit.changes.push_back(judged->change);
-    without_small_scales(fit.changes);
-    for (StreamChange& change : fit.changes) change = at_known_rate(change);
-    const ChangeErrors errors =
-        errors_of_change(pair_, blocks_, fit.changes.empty() ? StreamChange{} : fit.changes.front());
-    fit.before_m = mean_of(judged_.front().errors.plain_m);
-    fit.after_m = mean_of(errors.plain_m);
-    fit.of_point_m = errors.of_point_m;
-    if (mean_of(errors.judged_m) > kUnexplained_m)
-      fit.status = StreamFitStatus::unexplained;
-    else if (fit.changes.empty())
-      fit.status = StreamFitStatus::sound;
-    else
-      fit.status = fit.changes.size() > 1 ? StreamFitStatus::one_of : StreamFitStatus::found;
-    return fit;
-  }
-
   // The same change at the ratio of two frame rates, where one is near and fits as well; whole rates first.
   StreamChange at_known_rate(const StreamChange& change) const {
     if (!change.has_stretch) return change;
@@ -574,7 +164,7 @@ class StreamFitter {
           near.emplace_back((is_whole(stated) ? 0 : 1) + (is_whole(true_hz) ? 0 : 1), stated / true_hz);
     std::ranges::sort(near);
     const auto left_m = [&](const StreamChange& of) {
-      return mean_of(errors_of_change(pair_, blocks_, of).judged_m);
+      return mean_of_known(errors_of_change(pair_, blocks_, of).judged_m);
     };
     for (const auto& [rank, stretch] : near) {
       StreamChange rounded = change;
@@ -599,28 +189,35 @@ class StreamFitter {
       changes.clear();
   }
 
-  StreamFitOptions options_;
   const StreamPair& pair_;
-  const std::vector<std::size_t>& mirrored_;
   TimeBlocks blocks_;
-  std::vector<double> pose_m_;
-  double pose_rms_m_ = 0.0, coarse_pairs_ = 0.0;
-  std::size_t coarse_step_ = 1;
-  std::vector<std::vector<SizeChange>> sizes_;
-  std::vector<std::optional<BodyRoot>> roots_;
-  std::vector<Order> orders_;
-  std::vector<std::vector<StreamChange>> clocks_;  // by size
-  std::map<ChangeClass, std::vector<Candidate>> classes_;
-  std::set<ChangeClass> judged_classes_;
-  std::vector<Judged> judged_;
+  std::vector<JudgedChange> judged_;  // no change comes first
 };
 
 }  // namespace
 
 StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
                       const StreamFitOptions& options) {
-  if (pair.reference.instants() < 2 || pair.subject.instants() < 2) return {};
-  return StreamFitter(pair, mirrored, options).run();
+  StreamFit fit;
+  const PointStream &reference = pair.reference, &subject = pair.subject;
+  if (reference.instants() < 2 || subject.instants() < 2) return fit;
+  fit.overlap_s = std::max(
+      0.0, std::min(reference.first_s + reference.duration_s(), subject.first_s + subject.duration_s()) -
+               std::max(reference.first_s, subject.first_s));
+  if (const auto axis = flat_axis(pair)) {
+    fit.status = StreamFitStatus::flat;
+    fit.flat_axis = *axis;
+    return fit;
+  }
+  const TimeBlocks blocks = blocks_of(pair);
+  const ChangeErrors unchanged = errors_of_change(pair, blocks, {});
+  if (mean_of_known(unchanged.judged_m) < kMinGain_m) {  // no change can earn its place
+    fit.status = StreamFitStatus::sound;
+    fit.before_m = fit.after_m = mean_of_known(unchanged.plain_m);
+    fit.of_point_m = unchanged.of_point_m;
+    return fit;
+  }
+  return ChangeChoice(pair, blocks, search_changes(pair, blocks, mirrored, options)).choose(fit);
 }
 
 }  // namespace trilat
