@@ -152,9 +152,8 @@ std::string unfinished_results(const fs::path& results) {
     there += !key.empty() && fs::exists(store.folder(key)) ? 1 : 0;
   }
   if (known < keys.size()) there = std::min(store.size(), keys.size());  // shards know their own alone
-  return fmt::format(
-      "is unfinished: {} of {} items are there; `trilat run` as before goes on from them", there,
-      keys.size());
+  return fmt::format("is unfinished: {} of {} items are there; `trilat run` as before goes on from them",
+                     there, keys.size());
 }
 
 std::vector<ResultTake> result_takes(const fs::path& results) {
