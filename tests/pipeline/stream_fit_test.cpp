@@ -107,8 +107,8 @@ TEST(StreamFit, NamesEachChangeOfEachActivity) {
   print("all", all);
   int sum = 0;
   for (const auto& [verdict, count] : all.counts) sum += count;
-  EXPECT_GE(100 * (all.counts["right"] + all.counts["set"]), 85 * sum);
-  EXPECT_LE(100 * all.counts["wrong"], 4 * sum);
+  EXPECT_GE(100 * (all.counts["right"] + all.counts["set"]), 93 * sum);
+  EXPECT_LE(100 * all.counts["wrong"], 2 * sum);
 }
 
 TEST(StreamFit, NamesTwoChangesTogether) {
@@ -130,7 +130,24 @@ TEST(StreamFit, NamesTwoChangesTogether) {
     judge(tally, changes, changed_activities()[draw(4, changed_activities().size())], 300 + k);
   }
   print("pairs", tally);
-  EXPECT_LE(tally.counts["wrong"], static_cast<int>(pairs / 10));
+  EXPECT_LE(tally.counts["wrong"], static_cast<int>(pairs / 40));
+}
+
+// 8 of 1,500 may be named.
+TEST(StreamFit, SoundStreamsAreHardlyEverNamed) {
+  const std::uint64_t count = trials(300);
+  std::uint64_t named = 0;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    const std::string& activity = changed_activities()[k % changed_activities().size()];
+    ChangedStreamMaker maker(activity, 1000 + k, 10.0 + static_cast<double>(7 * k % 51));
+    const StreamFit fit = fit_of(maker.with({}));
+    if (fit.status == StreamFitStatus::sound) continue;
+    ++named;
+    fmt::print("{} {}: {}\n", activity, 1000 + k, static_cast<int>(fit.status));
+  }
+  fmt::print("{} of {} sound streams named\n", named, count);
+  EXPECT_LE(static_cast<double>(named),
+            (8.0 / 1500.0 + slack(8.0 / 1500.0, count)) * static_cast<double>(count));
 }
 
 TEST(StreamFit, SaysOfASizeWhatItIsAndWhatIsLeft) {
