@@ -16,8 +16,9 @@ constexpr double kMinLength_m = 0.05;         // of a distance that tells a rati
 constexpr double kMinTriedScale = 0.03;       // below, no scale is tried
 constexpr double kNearUnit = 0.12;            // of a logarithm
 constexpr double kPart_s = 0.25;              // of time, for a unit that changes
-constexpr double kMinJump = 0.5;              // of the logarithm of the ratio
-constexpr double kMinPointJump = 0.7;         // the same for one point
+constexpr std::size_t kMaxParts = 400;
+constexpr double kMinJump = 0.5;       // of the logarithm of the ratio
+constexpr double kMinPointJump = 0.7;  // the same for one point
 constexpr double kMinMovement_m = 0.03;
 constexpr double kStaysWithin = 0.15;  // of the reference's movement, for a root
 constexpr double kFlat_m = 0.002, kDeep_m = 0.05;
@@ -81,7 +82,8 @@ struct RatioJump {
 };
 
 std::optional<RatioJump> jump_of(const PointStream& subject, const std::vector<Length>& lengths) {
-  const auto part = std::max<std::size_t>(1, static_cast<std::size_t>(kPart_s * subject.rate_hz));
+  const std::size_t part = std::max(
+      {std::size_t{1}, static_cast<std::size_t>(kPart_s * subject.rate_hz), subject.instants() / kMaxParts});
   std::vector<double> logs;
   std::vector<std::size_t> first;
   for (std::size_t i = 0; i + part <= subject.instants(); i += part)
