@@ -140,7 +140,7 @@ void settle_trc_rate(const std::filesystem::path& path, MocapHeader& header) {
     const Cells cells = tab_cells(line);
     std::int64_t frame = 0;
     double time_s = 0.0;
-    if (cells.size() < kFirst + 1 || !parse_integer(cells[0], frame) ||
+    if (cells.size() < kFirst || !parse_integer(cells[0], frame) ||
         parse_cell(cells[1], time_s) != CellKind::number)
       continue;
     if (!rows.empty() && (frame <= rows.back().first || time_s <= rows.back().second)) break;

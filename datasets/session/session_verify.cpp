@@ -285,12 +285,10 @@ std::optional<std::string> odd_ticks_text(const SessionReader& session, std::siz
   constexpr double kMinRate_hz = 1.0, kMaxRate_hz = 300.0;
   const SensorCounts& counts = session.counts(sensor);
   const FrameStream stream = counts.body_frames > 0 ? FrameStream::bodies : FrameStream::depth;
-  const std::uint64_t frames = std::min(kMaxFrames, std::max(counts.body_frames, counts.depth_frames));
+  const std::uint64_t frames = counts.body_frames > 0 ? counts.body_frames : counts.depth_frames;
   if (frames < 3) return std::nullopt;
   std::vector<std::int64_t> steps;
-  const std::vector<FrameStamp> stamps = session.stamps(
-      sensor, stream, 0,
-      std::min(frames, stream == FrameStream::bodies ? counts.body_frames : counts.depth_frames));
+  const std::vector<FrameStamp> stamps = session.stamps(sensor, stream, 0, std::min(frames, kMaxFrames));
   for (std::size_t i = 1; i < stamps.size(); ++i)
     if (stamps[i].device_ticks > stamps[i - 1].device_ticks)
       steps.push_back(stamps[i].device_ticks - stamps[i - 1].device_ticks);

@@ -206,7 +206,8 @@ Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
   return best;
 }
 
-// The covariance counts each view by its weight at the minimum: what the loss dismisses tells nothing.
+// Estimate at the minimum. Its covariance weighs each view as the loss does there, so that a dismissed view
+// adds no information.
 PointEstimate estimate_of(const Rays& rays, const RangeBearingOptions& options, const Minimum& minimum) {
   const Eigen::Vector3d& x_m = minimum.position_m;
   PointEstimate estimate = estimate_at(ranges_of(rays), x_m, minimum.status, minimum.iterations);

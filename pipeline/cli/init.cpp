@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat init`.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <map>
 #include <set>
@@ -288,29 +289,23 @@ void find_starts(const InitArguments& arguments, Found& found) {
   }
 }
 
-// The alignments of a study: without motion capture, with sensors in its world, and with sensors in another.
-const std::vector<std::string>& no_mocap_alignments() {
-  static const std::vector<std::string> list{"none"};
-  return list;
-}
-const std::vector<std::string>& placed_alignments() {
-  static const std::vector<std::string> list{"none", "joint_offset", "rigid"};
-  return list;
-}
-const std::vector<std::string>& unplaced_alignments() {
-  static const std::vector<std::string> list{"rigid"};
-  return list;
-}
+// Alignments of the studies that init writes.
+enum Placing { kNoMocap, kInMocapWorld, kInOtherWorld };
+const std::array<std::vector<std::string>, 3> kAlignments{
+    {{"none"}, {"none", "joint_offset", "rigid"}, {"rigid"}}};
 
-Json made_study(const std::string& name, const std::vector<std::string>& alignments, bool has_three_sensors) {
+Json made_study(const std::string& name, Placing placing, bool has_three_sensors) {
   Json methods = Json::array();
   if (has_three_sensors)
     for (const char* method : {"linear", "geometric", "nonlinear"}) methods.push_back({{"method", method}});
   for (const char* method : {"single", "mean", "median", "range_bearing", "rts", "window"})
     methods.push_back({{"method", method}});
-  return {{"format", "trilat.study"}, {"version", 1},
-          {"kind", "accuracy"},       {"name", name},
-          {"alignments", alignments}, {"reference", has_three_sensors ? "nonlinear" : "mean"},
+  return {{"format", "trilat.study"},
+          {"version", 1},
+          {"kind", "accuracy"},
+          {"name", name},
+          {"alignments", kAlignments.at(placing)},
+          {"reference", has_three_sensors ? "nonlinear" : "mean"},
           {"methods", methods}};
 }
 
@@ -320,20 +315,20 @@ Json study_of(const InitArguments& arguments, const Found& found) {
   const bool all_placed = std::ranges::all_of(
       found.takes, [&](const FoundTake& f) { return !with_mocap(f) || is_in_mocap_world(f.take); });
   return made_study(arguments.name,
-                    std::ranges::none_of(found.takes, with_mocap) ? no_mocap_alignments()
-                    : all_placed                                  ? placed_alignments()
-                                                                  : unplaced_alignments(),
+                    std::ranges::none_of(found.takes, with_mocap) ? kNoMocap
+                    : all_placed                                  ? kInMocapWorld
+                                                                  : kInOtherWorld,
                     all_three);
 }
 
-// Whether init wrote a study, and nobody has edited it since.
+// Whether a study is one that init writes, so that it was not edited.
 bool is_made(const Json& study) {
   const std::string name = study.is_object() && study.contains("name") && study["name"].is_string()
                                ? study["name"].get<std::string>()
                                : "";
-  for (const auto& alignments : {no_mocap_alignments(), placed_alignments(), unplaced_alignments()})
+  for (const Placing placing : {kNoMocap, kInMocapWorld, kInOtherWorld})
     for (const bool has_three_sensors : {false, true})
-      if (study == made_study(name, alignments, has_three_sensors)) return true;
+      if (study == made_study(name, placing, has_three_sensors)) return true;
   return false;
 }
 

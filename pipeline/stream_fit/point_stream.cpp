@@ -11,8 +11,7 @@
 namespace trilat {
 namespace {
 
-// Words for left and right, as plain_name() writes them. The first letter alone tells a side only at the
-// beginning or at the end of a name.
+// Pairs of words for left and right, as plain_name() writes them.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kSides{{{"left", "right"},
                                                                                {"左", "右"},
                                                                                {"links", "rechts"},

@@ -27,8 +27,9 @@ struct PointStream {
   void at_time(double time_s, std::span<Eigen::Vector3d> position_m) const;
 };
 
-// Index of the point of the other side for each name; its own where the name tells no side, or the other side
-// is not there. Knows left and right of some languages, L and R, and + and - at the end.
+// For each name the index of its counterpart on the other side, or its own index where the name shows no
+// side or its counterpart is missing. Knows left and right of some languages, L and R, and + and - at the
+// end.
 std::vector<std::size_t> mirrored_points(const std::vector<std::string>& names);
 
 }  // namespace trilat

@@ -12,7 +12,7 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kMaxLengthLooks = 300;  // instants
-constexpr double kMinLength_m = 0.05;         // of a distance that tells a ratio
+constexpr double kMinLength_m = 0.05;         // shorter distances give no ratio
 constexpr double kMinTriedScale = 0.03;       // below, no scale is tried
 constexpr double kNearUnit = 0.12;            // of a logarithm
 constexpr double kPart_s = 0.25;              // of time, for a unit that changes

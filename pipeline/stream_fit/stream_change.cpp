@@ -88,6 +88,14 @@ std::vector<Pair> pairs_of_change(const StreamPair& pair, const TimeBlocks& bloc
 
 }  // namespace
 
+void undo_sizes(const std::vector<SizeChange>& sizes, double subject_s, std::span<Eigen::Vector3d> points_m) {
+  for (const SizeChange& size : sizes) {
+    if (!size.holds(subject_s)) continue;
+    for (std::size_t j = 0; j < points_m.size(); ++j)
+      if (!size.point || *size.point == j) points_m[j] /= size.factor;
+  }
+}
+
 unsigned causes_of(const StreamChange& change) {
   unsigned causes = 0;
   for (const SizeChange& size : change.sizes)
@@ -148,11 +156,7 @@ void ChangedPairs::look(std::size_t instant) {
   const double when_s =
       first_s + (pair_.reference.time_s(instant) - first_s - change_.start_s) / change_.stretch;
   pair_.subject.at_time(when_s, points_m_);
-  for (const SizeChange& size : change_.sizes) {
-    if (!size.holds(when_s)) continue;
-    for (std::size_t j = 0; j < points_m_.size(); ++j)
-      if (!size.point || *size.point == j) points_m_[j] /= size.factor;
-  }
+  undo_sizes(change_.sizes, when_s, points_m_);
   if (change_.root)
     root_m_ = 0.5 * (pair_.reference.at(instant, change_.root->one) +
                      pair_.reference.at(instant, change_.root->other));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pipeline/stream_fit/point_stream.h"
@@ -37,7 +38,7 @@ struct BodyRoot {
   std::size_t one = 0, other = 0;
 };
 
-// What turns a stream, the subject, into another one, the reference. The default is no change.
+// A change turns one stream, the subject, into another one, the reference. The default changes nothing.
 struct StreamChange {
   std::vector<SizeChange> sizes;
   // What the subject shows at its first instant + t, the reference shows at that time + start_s + stretch t.
@@ -51,6 +52,9 @@ struct StreamChange {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // mirrored, where that is set
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
 };
+
+// Divides the subject's points at one time by the factors that hold then.
+void undo_sizes(const std::vector<SizeChange>& sizes, double subject_s, std::span<Eigen::Vector3d> points_m);
 
 // Kinds of causes, as bits.
 enum StreamCause : unsigned {
@@ -128,6 +132,7 @@ class ChangedPairs {
 // Errors of a change by blocks of time, each judged with frame and offsets fitted to every second one of the
 // others. `judged_m` leaves a constant offset to each point, up to what two definitions of a joint differ by;
 // `plain_m` does not. NaN for blocks with too few pairs.
+inline constexpr std::size_t kMinJudgedBlocks = 4;  // fewer decide nothing
 struct ChangeErrors {
   std::vector<double> judged_m, plain_m, pairs;
   std::vector<double> of_point_m;  // plain, by point of the reference

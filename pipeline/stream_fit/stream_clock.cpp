@@ -194,12 +194,8 @@ std::vector<Peak> rates_of(const StreamPair& pair, const ClockSearch& search) {
 
 PointStream resized(const PointStream& stream, const std::vector<SizeChange>& sizes) {
   PointStream result = stream;
-  for (const SizeChange& size : sizes)
-    for (std::size_t i = 0; i < result.instants(); ++i) {
-      if (!size.holds(result.time_s(i))) continue;
-      for (std::size_t j = 0; j < result.points; ++j)
-        if (!size.point || *size.point == j) result.at_m[i * result.points + j] /= size.factor;
-    }
+  for (std::size_t i = 0; i < result.instants(); ++i)
+    undo_sizes(sizes, result.time_s(i), std::span(result.at_m).subspan(i * result.points, result.points));
   return result;
 }
 

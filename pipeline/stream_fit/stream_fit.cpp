@@ -14,7 +14,6 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMinJudgedBlocks = 4;
 constexpr double kEarnedShare = 0.8;  // of the error without a cause may be left with it
 constexpr double kMinGain_m = 0.008;
 constexpr double kEarnedAlpha = 0.0027;  // two-sided: three standard errors of many blocks
@@ -176,7 +175,7 @@ class ChangeChoice {
     return change;
   }
 
-  // Takes scales away that sound systems have, too, and what is no change then.
+  // Takes away scales that sound systems have, too; clears the list where nothing is left of a change.
   void without_small_scales(std::vector<StreamChange>& changes) const {
     for (StreamChange& change : changes) {
       std::erase_if(change.sizes, [](const SizeChange& size) {

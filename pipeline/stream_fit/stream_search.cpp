@@ -15,7 +15,6 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMinAnsweredBlocks = 4;
 constexpr double kMinTurn_rad = 0.05, kMinShift_m = 0.15, kMinDrift_s = 0.02;
 constexpr std::size_t kCoarseInstants = 120, kMaxCoarseInstants = 1500;
 constexpr std::size_t kKeptOfClass = 3;     // starts that are refined
@@ -26,7 +25,8 @@ constexpr double kRefineStart_s = 0.02, kFinest = 1.0 / 64.0;
 
 using Order = std::vector<std::size_t>;
 
-// What is chosen from lists, and the kind of the clock: changes of one class differ in numbers alone.
+// Indices of the lists that a change was chosen from, and the kinds of its frame and clock. Changes of one
+// class differ in fitted numbers alone.
 struct ChangeClass {
   std::size_t size = 0, order = 0, root = 0;
   FrameChange frame = FrameChange::none;
@@ -296,10 +296,10 @@ class ChangeSearch {
         std::ranges::count_if(errors.judged_m, [](double m) { return std::isfinite(m); }));
     const double possible =
         static_cast<double>(blocks_.count) * shorter_pairs() / std::max(1.0, coarse_pairs_);
-    return answered >= kMinAnsweredBlocks && static_cast<double>(answered) >= kMinAnswered * possible;
+    return answered >= kMinJudgedBlocks && static_cast<double>(answered) >= kMinAnswered * possible;
   }
 
-  // What is below the limits is no change.
+  // Whether the fitted numbers lie above the limits of what is named.
   bool is_noticed(const StreamChange& change) const {
     if (change.has_start && std::abs(change.start_s) < options_.min_start_s && !change.has_stretch)
       return false;

@@ -70,7 +70,8 @@ CauseText rate_text(const StreamChange& change, const StreamWords& words) {
   constexpr double kDrift = 0.006, kPartsPerMillion = 1e6;
   const double stretch = change.stretch;
   const std::string remedy =
-      fmt::format("multiply its times by {:.4f}, or its stated rate by {:.4g}", stretch, 1.0 / stretch);
+      fmt::format("multiply its times since its first frame by {:.4f}, or its stated rate by {:.4g}", stretch,
+                  1.0 / stretch);
   if (std::abs(stretch - 1.0) < kDrift)
     return {fmt::format("has a clock that runs {:.0f} ppm {} than that of {}",
                         kPartsPerMillion * std::abs(1.0 / stretch - 1.0), stretch < 1.0 ? "faster" : "slower",

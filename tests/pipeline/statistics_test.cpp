@@ -143,7 +143,7 @@ TEST(Statistics, ATakeOfOneBlockHasValuesAndNoInterval) {
   EXPECT_TRUE(std::isnan(cell->mae_low_m) && std::isnan(cell->mae_high_m));
   const DifferenceCell* d = find_difference(summary, "single k1", "walking", "head", "mean");
   EXPECT_TRUE(std::isfinite(d->difference_m) && std::isnan(d->low_m));
-  EXPECT_TRUE(summary.best.empty());  // there is no interval
+  EXPECT_TRUE(summary.best.empty());  // no method is best without an interval
   EXPECT_THAT(accuracy_findings(summary), testing::Each(testing::HasSubstr("no method is called best")));
 }
 

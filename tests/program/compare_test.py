@@ -152,6 +152,14 @@ class Compare(Compared):
                     tried += 1
         self.assertEqual(tried, 22)
 
+    def test_frames_a_second_apart_are_not_joined_by_lines(self):
+        library.write_joints(self.folder / "mine.csv", self.time_s[::50], {key: at[::50] for key, at in self.truth.items()})
+        said = self.compared(self.folder / "mine.csv")
+        cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+        self.assertEqual(50 * cell["answered"], cell["asked"])
+        self.assertLess(cell["mae_m"], 1e-6)
+        self.assertIn("has no position for 9", said)
+
     def test_times_in_another_unit_or_since_1970_are_said_and_converted(self):
         for unit, begin, words in ((1e-3, 0, "taken as milliseconds, 50 Hz"), (1e-6, 0, "taken as microseconds"), (1e-9, 0, "taken as nanoseconds"),
                                    (1, 1.76e9, "seconds since 1970"), (1e-3, 1.76e9, "seconds since 1970")):
