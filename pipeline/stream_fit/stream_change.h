@@ -40,11 +40,11 @@ struct BodyRoot {
 
 // A change turns one stream, the subject, into another one, the reference. The default changes nothing.
 struct StreamChange {
-  std::vector<SizeChange> sizes;
+  std::vector<SizeChange> sizes{};
   // What the subject shows at its first instant + t, the reference shows at that time + start_s + stretch t.
   double stretch = 1.0, start_s = 0.0;
   bool has_start = false, has_stretch = false;
-  std::vector<std::size_t> order;  // the subject's point order[j] is the reference's point j; empty: j
+  std::vector<std::size_t> order{};  // the subject's point order[j] is the reference's point j; empty: j
   FrameChange frame = FrameChange::none;
   bool mirrored = false;
   std::optional<BodyRoot> root{};
@@ -68,6 +68,7 @@ enum StreamCause : unsigned {
   kTurnCause = 128,     // axes of the frame
   kMirrorCause = 256,   // handedness of the frame
   kRootCause = 512,     // positions relative to a point of the body
+  kAllStreamCauses = 1023
 };
 unsigned causes_of(const StreamChange& change);
 // Number of fitted parameters; a choice among few counts as one.

@@ -12,7 +12,6 @@ namespace {
 constexpr std::size_t kMaxSignals = 6;
 constexpr std::size_t kMaxClockLooks = 200;  // instants of the reference
 constexpr double kStep_s = 0.04;             // between starts
-constexpr double kMaxSearch_s = 600.0;       // of starts, to both sides
 constexpr double kSearchAtRate_s = 2.0;      // of starts at another rate
 constexpr double kMinOverlap = 0.3;          // of the shorter stream
 constexpr double kMinOverlap_s = 1.5;
@@ -20,7 +19,7 @@ constexpr double kMinVariation_m = 0.01;  // standard deviation of a distance
 constexpr double kMinAgreement = 0.4;     // correlation
 constexpr double kBehindBest = 0.35;      // of the correlation
 constexpr std::size_t kMaxStarts = 200, kMaxRates = 16;
-constexpr double kBlindSearch_s = 10.0;                 // where no distance varies
+constexpr double kBlindSearch_s = 10.0;                 // shorter ones, and where no distance varies
 constexpr double kMinStretch = 0.4, kMaxStretch = 2.5;  // of rates that are none of these
 
 // Distances between points over time: instants x signals.
@@ -157,12 +156,12 @@ void keep_best(std::vector<Peak>& peaks, std::size_t count) {
   peaks.resize(std::min(peaks.size(), count));
 }
 
-std::vector<Peak> starts_of(const StreamPair& pair, const ClockSearch& search) {
+std::vector<Peak> starts_of(const StreamPair& pair, const ClockSearch& search, double max_start_s) {
   // from where the subject ends before the reference begins to where it begins after the reference has ended
   const double least_s =
-      std::max(-kMaxSearch_s, -pair.subject.duration_s()) + pair.reference.first_s - pair.subject.first_s;
+      std::max(-max_start_s, -pair.subject.duration_s()) + pair.reference.first_s - pair.subject.first_s;
   const double most_s =
-      std::min(kMaxSearch_s, pair.reference.duration_s()) + pair.reference.first_s - pair.subject.first_s;
+      std::min(max_start_s, pair.reference.duration_s()) + pair.reference.first_s - pair.subject.first_s;
   std::vector<Peak> line, peaks;
   for (double start_s = std::floor(least_s / kStep_s) * kStep_s; start_s <= most_s; start_s += kStep_s)
     line.push_back({search.agreement(1.0, start_s), 1.0, start_s});
@@ -202,9 +201,12 @@ PointStream resized(const PointStream& stream, const std::vector<SizeChange>& si
 }  // namespace
 
 std::vector<StreamChange> clock_candidates(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-                                           const std::vector<SizeChange>& sizes) {
+                                           const std::vector<SizeChange>& sizes,
+                                           const StreamFitOptions& options) {
   std::vector<StreamChange> candidates(1);
   candidates.front().sizes = sizes;
+  const bool has_starts = (options.causes & kStartCause) != 0, has_rates = (options.causes & kRateCause) != 0;
+  if (!has_starts && !has_rates) return candidates;
   const auto add = [&](double stretch, double start_s) {
     StreamChange change;
     change.sizes = sizes;
@@ -217,14 +219,15 @@ std::vector<StreamChange> clock_candidates(const StreamPair& pair, const std::ve
   const PointStream subject = resized(pair.subject, sizes);
   const StreamPair both{pair.reference, subject};
   const std::vector<PointsOfSignal> points = varying_points(both, mirrored);
-  if (points.empty()) {
-    for (double start_s = -kBlindSearch_s; start_s <= kBlindSearch_s; start_s += 2.0 * kStep_s)
-      add(1.0, start_s);
+  if (points.empty() || options.max_start_s <= kBlindSearch_s) {
+    const double most_s = std::min(kBlindSearch_s, options.max_start_s);
+    for (double start_s = -most_s; start_s <= most_s; start_s += 2.0 * kStep_s) add(1.0, start_s);
     return candidates;
   }
   const ClockSearch search(both, points);
-  for (const Peak& peak : starts_of(both, search)) add(1.0, peak.start_s);
-  for (const Peak& peak : rates_of(both, search)) add(peak.stretch, peak.start_s);
+  for (const Peak& peak : starts_of(both, search, options.max_start_s)) add(1.0, peak.start_s);
+  if (has_rates)
+    for (const Peak& peak : rates_of(both, search)) add(peak.stretch, peak.start_s);
   return candidates;
 }
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "pipeline/stream_fit/stream_change.h"
+#include "pipeline/stream_fit/stream_fit.h"
 
 namespace trilat {
 
@@ -14,8 +14,10 @@ inline constexpr std::array kFrameRates_hz{24.0, 25.0,  29.97, 30.0,  48.0,  50.
 
 // Starts and rates at which the distances between the points of the subject vary as those of the reference
 // do, which needs no common frame; points of the left and the right are added, so that it does not matter
-// which is which. Every local maximum is kept: the positions decide. Always holds the clock as it is.
+// which is which. Every local maximum is kept: the positions decide. Starts of a short search are all
+// candidates. Always holds the clock as it is.
 std::vector<StreamChange> clock_candidates(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-                                           const std::vector<SizeChange>& sizes);
+                                           const std::vector<SizeChange>& sizes,
+                                           const StreamFitOptions& options);
 
 }  // namespace trilat

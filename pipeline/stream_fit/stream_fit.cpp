@@ -14,17 +14,15 @@
 namespace trilat {
 namespace {
 
-constexpr double kEarnedShare = 0.8;  // of the error without a cause may be left with it
 constexpr double kMinGain_m = 0.008;
-constexpr double kEarnedAlpha = 0.0027;  // two-sided: three standard errors of many blocks
-constexpr double kMarginAlpha = 0.32;    // one standard error
-constexpr double kUnexplained_m = 0.2;   // mean distance
-constexpr double kMinScale = 0.10;       // sound systems differ by up to 9.3 %
+constexpr double kMarginAlpha = 0.32;   // one standard error
+constexpr double kUnexplained_m = 0.2;  // mean distance
 
 class ChangeChoice {
  public:
-  ChangeChoice(const StreamPair& pair, const TimeBlocks& blocks, std::vector<JudgedChange> judged)
-      : pair_(pair), blocks_(blocks), judged_(std::move(judged)) {}
+  ChangeChoice(const StreamPair& pair, const TimeBlocks& blocks, const StreamFitOptions& options,
+               std::vector<JudgedChange> judged)
+      : pair_(pair), blocks_(blocks), options_(options), judged_(std::move(judged)) {}
 
   StreamFit choose(StreamFit fit) const {
     if (judged_.empty()) return fit;
@@ -55,7 +53,7 @@ class ChangeChoice {
     without_small_scales(fit.changes);
     for (StreamChange& change : fit.changes) change = at_known_rate(change);
     const ChangeErrors errors =
-        errors_of_change(pair_, blocks_, fit.changes.empty() ? StreamChange{} : fit.changes.front());
+        errors_of_change(pair_, blocks_, fit.changes.empty() ? no_change(options_) : fit.changes.front());
     fit.before_m = mean_of_known(judged_.front().errors.plain_m);
     fit.after_m = mean_of_known(errors.plain_m);
     fit.of_point_m = errors.of_point_m;
@@ -113,7 +111,7 @@ class ChangeChoice {
     const auto [first, end] = touched(simple, complex);
     const Difference d = difference(simple, complex, first, end);
     return d.blocks >= kMinJudgedBlocks && d.of_other_m < kEarnedShare * d.of_one_m &&
-           d.mean_m > kMinGain_m && d.mean_m > student_quantile(d.blocks - 1, kEarnedAlpha) * d.sigma_m;
+           d.mean_m > kMinGain_m && d.mean_m > student_quantile(d.blocks - 1, options_.alpha) * d.sigma_m;
   }
   static bool is_within_margin(const JudgedChange& judged, const JudgedChange& best) {
     const Difference d = difference(judged, best);
@@ -176,24 +174,35 @@ class ChangeChoice {
   }
 
   // Takes away scales that sound systems have, too; clears the list where nothing is left of a change.
+  // `min_scale` is above what sound systems differ by: up to 9.3 %.
   void without_small_scales(std::vector<StreamChange>& changes) const {
     for (StreamChange& change : changes) {
-      std::erase_if(change.sizes, [](const SizeChange& size) {
+      std::erase_if(change.sizes, [this](const SizeChange& size) {
         return !size.is_unit && !size.point && !size.at_s &&
-               std::abs(std::log(size.factor)) < std::log1p(kMinScale);
+               std::abs(std::log(size.factor)) < std::log1p(options_.min_scale);
       });
       change = fitted(pair_, blocks_, change);
     }
-    if (std::ranges::any_of(changes, [](const StreamChange& change) { return causes_of(change) == 0; }))
+    if (std::ranges::any_of(changes,
+                            [&](const StreamChange& change) { return named_causes(change, options_) == 0; }))
       changes.clear();
   }
 
   const StreamPair& pair_;
   TimeBlocks blocks_;
+  StreamFitOptions options_;
   std::vector<JudgedChange> judged_;  // no change comes first
 };
 
 }  // namespace
+
+StreamChange no_change(const StreamFitOptions& options) {
+  return {.frame = options.any_frame ? FrameChange::turned : FrameChange::none};
+}
+
+unsigned named_causes(const StreamChange& change, const StreamFitOptions& options) {
+  return causes_of(change) & ~(options.any_frame ? unsigned{kShiftCause | kTurnCause} : 0U);
+}
 
 StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
                       const StreamFitOptions& options) {
@@ -209,14 +218,14 @@ StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mi
     return fit;
   }
   const TimeBlocks blocks = blocks_of(pair);
-  const ChangeErrors unchanged = errors_of_change(pair, blocks, {});
+  const ChangeErrors unchanged = errors_of_change(pair, blocks, no_change(options));
   if (mean_of_known(unchanged.judged_m) < kMinGain_m) {  // no change can earn its place
     fit.status = StreamFitStatus::sound;
     fit.before_m = fit.after_m = mean_of_known(unchanged.plain_m);
     fit.of_point_m = unchanged.of_point_m;
     return fit;
   }
-  return ChangeChoice(pair, blocks, search_changes(pair, blocks, mirrored, options)).choose(fit);
+  return ChangeChoice(pair, blocks, options, search_changes(pair, blocks, mirrored, options)).choose(fit);
 }
 
 }  // namespace trilat

@@ -29,15 +29,28 @@ struct StreamFit {
   std::vector<double> of_point_m;  // mean distance by point after the first change, NaN where it is not known
 };
 
+// So much of the error without a cause may be left with it.
+inline constexpr double kEarnedShare = 0.8;
+
 struct StreamFitOptions {
-  double min_start_s = 0.02;  // no start nearer to the stated one is named
+  double min_start_s = 0.02;           // no start nearer to the stated one is named
+  double max_start_s = 600.0;          // nor one farther from it
+  double min_scale = 0.10;             // nor a scale that is no unit and nearer to 1
+  unsigned causes = kAllStreamCauses;  // that are looked for
+  double alpha = 0.0027;               // of the paired blocks, two-sided: three standard errors of many
+  bool any_frame = false;              // the frames have nothing in common, and are no cause
 };
+
+// The change that changes nothing; of streams in any frame one that lays them over each other.
+StreamChange no_change(const StreamFitOptions& options);
+// Causes of a change but for a frame that may be any.
+unsigned named_causes(const StreamChange& change, const StreamFitOptions& options);
 
 // Finds what turns the subject into the reference: unit and scale, start and rate of its clock, exchanged
 // points, and its frame (shifted, turned, mirrored, axes exchanged, relative to a point of the body). All are
 // fitted together. A cause counts when the error on blocks of time that it was not fitted to falls by a fifth
-// and by three standard errors of the paired blocks; what does not earn that is taken away again, so that
-// simpler explanations win. Below these sizes nothing is named: 10 % of scale, 10 cm of shift, 0.05 rad of
+// and by what `alpha` asks for of the paired blocks; what does not earn that is taken away again, so that
+// simpler explanations win. Below these sizes nothing is named: `min_scale`, 15 cm of shift, 0.05 rad of
 // turn, `min_start_s`, and a rate that moves the ends of the stream by less than 0.02 s.
 // `mirrored`: mirrored_points() of both, which have the same points in the same order.
 StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mirrored,

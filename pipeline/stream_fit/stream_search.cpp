@@ -101,20 +101,27 @@ class ChangeSearch {
  private:
   void propose() {
     sizes_ = size_candidates(pair_);
+    std::erase_if(sizes_,
+                  [&](const std::vector<SizeChange>& sizes) { return !is_looked_for({.sizes = sizes}); });
     roots_.emplace_back();
-    for (const BodyRoot& root : root_candidates(pair_, mirrored_)) roots_.emplace_back(root);
+    if (is_looked_for(kRootCause))
+      for (const BodyRoot& root : root_candidates(pair_, mirrored_)) roots_.emplace_back(root);
     Order same(pair_.reference.points);
     std::iota(same.begin(), same.end(), 0);
     orders_.push_back(same);
-    if (mirrored_ != same) orders_.push_back(mirrored_);
+    if (mirrored_ != same && is_looked_for(kSidesCause)) orders_.push_back(mirrored_);
     for (const std::vector<SizeChange>& sizes : sizes_)
-      clocks_.push_back(clock_candidates(pair_, mirrored_, sizes));
+      clocks_.push_back(clock_candidates(pair_, mirrored_, sizes, options_));
     for (std::size_t order = 0; order < orders_.size(); ++order) look_at_order(order);
+    if (!is_looked_for(kSidesCause)) return;
     for (const Order& order : exchanges()) {
       orders_.push_back(order);
       look_at_order(orders_.size() - 1);
     }
   }
+
+  bool is_looked_for(unsigned causes) const { return (causes & ~options_.causes) == 0; }
+  bool is_looked_for(const StreamChange& change) const { return is_looked_for(causes_of(change)); }
 
   void look_at_order(std::size_t order) {
     for (std::size_t size = 0; size < sizes_.size(); ++size)
@@ -144,6 +151,9 @@ class ChangeSearch {
       for (const bool mirrored : {false, true}) {
         if (mirrored && (frame == FrameChange::none || frame == FrameChange::shifted)) continue;
         if (change.root && (frame == FrameChange::shifted || frame == FrameChange::axes_shifted)) continue;
+        if (options_.any_frame ? frame != FrameChange::turned
+                               : !is_looked_for({.frame = frame, .mirrored = mirrored}))
+          continue;
         const double squares_m2 = fit_frame(sums, frame, mirrored).squares_m2 + posed_m2;
         visit(frame, mirrored, std::sqrt(squares_m2 / std::max(1.0, coarse_pairs_)));
       }
@@ -166,7 +176,7 @@ class ChangeSearch {
     });
     // a rate that drifts is looked for about every start, and about the stated one
     if (!change.has_stretch && of.has_start) return;
-    if (!change.has_stretch) {
+    if (!change.has_stretch && is_looked_for(kRateCause)) {
       StreamChange drifting = change;
       drifting.has_stretch = true;
       look_at(drifting, of);
@@ -306,7 +316,7 @@ class ChangeSearch {
     if (change.has_stretch && std::abs(change.stretch - 1.0) * 0.5 * pair_.subject.duration_s() < kMinDrift_s)
       return false;
     if (change.frame == FrameChange::shifted && change.shift_m.norm() < kMinShift_m) return false;
-    return change.frame != FrameChange::turned || change.mirrored ||
+    return change.frame != FrameChange::turned || change.mirrored || options_.any_frame ||
            std::acos(std::clamp(0.5 * (change.rotation.trace() - 1.0), -1.0, 1.0)) > kMinTurn_rad;
   }
 
@@ -318,7 +328,7 @@ class ChangeSearch {
       refine(candidate);
       StreamChange change = fitted(pair_, blocks_, candidate.change);
       if (!is_noticed(change)) continue;
-      JudgedChange judged{change, causes_of(change), parameters_of(change),
+      JudgedChange judged{change, named_causes(change, options_), parameters_of(change),
                           errors_of_change(pair_, blocks_, change)};
       if (answers_enough(judged.errors)) judged_.push_back(std::move(judged));
     }
@@ -326,16 +336,19 @@ class ChangeSearch {
 
   // The leading classes, and each with some of its causes taken away.
   void judge_leading() {
-    add_drifting_starts();
-    judged_classes_.insert(ChangeClass{});
-    judged_.push_back({{}, 0, 0, errors_of_change(pair_, blocks_, {})});  // no change comes first
+    if (is_looked_for(kRateCause)) add_drifting_starts();
+    const StreamChange unchanged = fitted(pair_, blocks_, no_change(options_));
+    judged_classes_.insert(ChangeClass{.frame = unchanged.frame});
+    // no change comes first
+    judged_.push_back({unchanged, 0, parameters_of(unchanged), errors_of_change(pair_, blocks_, unchanged)});
     std::size_t count = 0;
     for (const auto& [rms_m, of] : ranked()) {
       if (count++ == kLeading) break;
       for (const std::size_t size : std::set<std::size_t>{0, of.size})
         for (const std::size_t order : std::set<std::size_t>{0, of.order})
           for (const std::size_t root : std::set<std::size_t>{0, of.root})
-            for (const FrameChange frame : simpler_frames(of.frame))
+            for (const FrameChange frame :
+                 options_.any_frame ? std::vector{of.frame} : simpler_frames(of.frame))
               for (const bool mirrored : std::set<bool>{false, of.mirrored})
                 for (const bool has_start : std::set<bool>{false, of.has_start})
                   for (const bool has_stretch : std::set<bool>{false, of.has_stretch})

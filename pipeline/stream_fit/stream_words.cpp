@@ -13,34 +13,16 @@
 namespace trilat {
 namespace {
 
+constexpr const char* kBothSides = "left and right";
+
 // A cause with its size, and how it is undone.
 struct CauseText {
   std::string what, remedy;
 };
 
-const char* unit_text(double factor) {
-  struct Unit {
-    double factor;
-    const char* text;
-  };
-  constexpr std::array kUnitNames{Unit{1000.0, ", as millimetres taken for metres"},
-                                  Unit{100.0, ", as centimetres taken for metres"},
-                                  Unit{10.0, ", as millimetres taken for centimetres"},
-                                  Unit{0.1, ", as centimetres taken for millimetres"},
-                                  Unit{0.01, ", as metres taken for centimetres"},
-                                  Unit{0.001, ", as metres taken for millimetres"},
-                                  Unit{39.3701, ", as inches taken for metres"},
-                                  Unit{3.28084, ", as feet taken for metres"},
-                                  Unit{0.0254, ", as metres taken for inches"},
-                                  Unit{0.3048, ", as metres taken for feet"}};
-  for (const Unit& unit : kUnitNames)
-    if (std::abs(factor / unit.factor - 1.0) < 1e-3) return unit.text;
-  return "";
-}
-
 CauseText size_text(const SizeChange& size, const StreamWords& words) {
   const std::string factor = fmt::format("{:.3g}", size.factor);
-  const char* const unit = size.is_unit ? unit_text(size.factor) : "";
+  const char* const unit = unit_text(size);
   if (size.at_s) {
     const std::string when =
         size.until ? fmt::format("until {:.2f} s", *size.at_s) : fmt::format("from {:.2f} s on", *size.at_s);
@@ -81,29 +63,10 @@ CauseText rate_text(const StreamChange& change, const StreamWords& words) {
 }
 
 CauseText sides_text(const StreamChange& change, const StreamWords& words) {
-  std::vector<std::string> pairs;
-  const std::vector<std::size_t> mirrored = mirrored_points(words.names);
-  bool is_all = true, any_side = false;
-  for (std::size_t j = 0; j < change.order.size(); ++j) {
-    if (change.order[j] > j) pairs.push_back(words.names[j] + " and " + words.names[change.order[j]]);
-    is_all &= change.order[j] == mirrored[j];
-    any_side |= mirrored[j] != j;
-  }
-  if (is_all && any_side && pairs.size() > 1)
-    return {"has left and right exchanged", "exchange the names of both sides, or say so under \"mapping\""};
-  return {fmt::format("has {} exchanged", fmt::join(pairs, ", ")),
-          "exchange these names, or say so under \"mapping\""};
-}
-
-// "(x, z, -y)" for a matrix of signed axes.
-std::string axes_text(const Eigen::Matrix3d& axes) {
-  std::string text;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      if (axes(row, column) != 0.0)
-        text += fmt::format("{}{}{}", text.empty() ? "(" : ", ", axes(row, column) < 0.0 ? "-" : "",
-                            "xyz"[column]);
-  return text + ")";
+  const std::string pairs = exchanged_text(change, words.names);
+  return {fmt::format("has {} exchanged", pairs),
+          fmt::format("exchange {}, or say so under \"mapping\"",
+                      pairs == kBothSides ? "the names of both sides" : "these names")};
 }
 
 std::string turn_text(const Eigen::Matrix3d& rotation) {
@@ -185,6 +148,50 @@ std::string effect_text(const StreamFit& fit, const StreamWords& words) {
 }
 
 }  // namespace
+
+const char* unit_text(const SizeChange& size) {
+  if (!size.is_unit) return "";
+  struct Unit {
+    double factor;
+    const char* text;
+  };
+  constexpr std::array kUnitNames{Unit{1000.0, ", as millimetres taken for metres"},
+                                  Unit{100.0, ", as centimetres taken for metres"},
+                                  Unit{10.0, ", as millimetres taken for centimetres"},
+                                  Unit{0.1, ", as centimetres taken for millimetres"},
+                                  Unit{0.01, ", as metres taken for centimetres"},
+                                  Unit{0.001, ", as metres taken for millimetres"},
+                                  Unit{39.3701, ", as inches taken for metres"},
+                                  Unit{3.28084, ", as feet taken for metres"},
+                                  Unit{0.0254, ", as metres taken for inches"},
+                                  Unit{0.3048, ", as metres taken for feet"}};
+  for (const Unit& unit : kUnitNames)
+    if (std::abs(size.factor / unit.factor - 1.0) < 1e-3) return unit.text;
+  return "";
+}
+
+std::string axes_text(const Eigen::Matrix3d& axes) {
+  std::string text;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      if (axes(row, column) != 0.0)
+        text += fmt::format("{}{}{}", text.empty() ? "(" : ", ", axes(row, column) < 0.0 ? "-" : "",
+                            "xyz"[column]);
+  return text + ")";
+}
+
+std::string exchanged_text(const StreamChange& change, const std::vector<std::string>& names) {
+  std::vector<std::string> pairs;
+  const std::vector<std::size_t> mirrored = mirrored_points(names);
+  bool is_all = true, any_side = false;
+  for (std::size_t j = 0; j < change.order.size(); ++j) {
+    if (change.order[j] > j) pairs.push_back(names[j] + " and " + names[change.order[j]]);
+    is_all &= change.order[j] == mirrored[j];
+    any_side |= mirrored[j] != j;
+  }
+  if (is_all && any_side && pairs.size() > 1) return kBothSides;
+  return fmt::format("{}", fmt::join(pairs, ", "));
+}
 
 std::string stream_note(const StreamFit& fit, const StreamWords& words) {
   switch (fit.status) {

@@ -15,6 +15,13 @@ struct StreamWords {
   bool clock_is_applied = false;   // the start that the motion shows
 };
 
+// ", as feet taken for metres" of a unit, else nothing.
+const char* unit_text(const SizeChange& size);
+// "(x, z, -y)" for a matrix of signed axes.
+std::string axes_text(const Eigen::Matrix3d& axes);
+// The points that a change exchanges, in pairs, or "left and right".
+std::string exchanged_text(const StreamChange& change, const std::vector<std::string>& names);
+
 // The note on a fit: each cause with its size, the mean distance before and after it was applied, and how to
 // apply it; empty for a sound subject. Changes that are not told apart are listed without a remedy.
 std::string stream_note(const StreamFit& fit, const StreamWords& words);

@@ -14,7 +14,7 @@ constexpr std::uint64_t kInstants = 41, kStarts = 20;
 
 // A joint that rests and from the middle on goes faster by 1 m/s every second.
 double truth_x_m(std::uint64_t i) {
-  const double since_s = i < kStarts ? 0.0 : static_cast<double>(i - kStarts) / kRate_hz;
+  const double since_s = i < kStarts ? 0.0 : static_cast<double>(i - kStarts) / kMovedRate_hz;
   return 0.5 * since_s * since_s;
 }
 
@@ -48,14 +48,14 @@ TEST(Movement, HalvesAndSpeedsByPencil) {
   const ScratchFolder folder;
   ErrorTable table;
   table.laid_over = {{}};
-  const std::vector<MovementRow> rows = movement_of(take_in(folder), table, 0, kRate_hz);
+  const std::vector<MovementRow> rows = movement_of(take_in(folder), table, 0, kMovedRate_hz);
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].calm, 19u);
   EXPECT_EQ(rows[0].abrupt, 18u);
   EXPECT_NEAR(rows[0].calm_m, 0.19, 1e-6);
   EXPECT_NEAR(rows[0].abrupt_m, 0.54, 1e-6);
   EXPECT_EQ(rows[0].speeds, 39u);
-  EXPECT_NEAR(rows[0].speed_m_s, 0.5 * kRate_hz * (truth_x_m(40) + truth_x_m(39)), 1e-12);
+  EXPECT_NEAR(rows[0].speed_m_s, 0.5 * kMovedRate_hz * (truth_x_m(40) + truth_x_m(39)), 1e-12);
 }
 
 TEST(Movement, ErrorsAreThoseOfTheStudysFirstAlignment) {
@@ -63,7 +63,7 @@ TEST(Movement, ErrorsAreThoseOfTheStudysFirstAlignment) {
   ErrorTable table;
   table.laid_over = {{}};
   table.laid_over[0].shift_m = {0.0, -0.01, 0.0};
-  const MovementRow row = movement_of(take_in(folder), table, 0, kRate_hz).at(0);
+  const MovementRow row = movement_of(take_in(folder), table, 0, kMovedRate_hz).at(0);
   EXPECT_NEAR(row.calm_m, 0.0, 1e-6);
   EXPECT_NEAR(row.abrupt_m, 0.36, 1e-6);
 }

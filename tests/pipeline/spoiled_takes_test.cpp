@@ -219,7 +219,7 @@ std::vector<Spoiled> all_spoiled() {
   };
   return {
       {"sound", [](Recorded&) {}, {}},
-      {"yards", scaled(1.0 / 0.9144), {"mocap.csv", "times as large as the sensors", "unit"}},
+      {"feet", scaled(3.28084), {"mocap.csv", "3.28 times as large as the sensors", "as feet", "unit"}},
       {"wrist_in_feet", scaled(3.28084, "wrist_left"), {"mocap.csv", "moves wrist_left 3.", "unit"}},
       {"wrists_exchanged",
        exchanged(Joint::wrist_left, Joint::wrist_right),
@@ -245,7 +245,7 @@ std::vector<Spoiled> all_spoiled() {
        calibrated([](Calibration& c) {
          for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m *= 1.05;
        }),
-       {"calibration.json", "places the sensors too far apart: all measure 5.", "% too short"}},
+       {"calibration.json", "places the sensors too far apart: all measure 4.", "% too short"}},
       {"exchanged_poses",
        calibrated(
            [](Calibration& c) { std::swap(c.sensors[0].world_from_sensor, c.sensors[1].world_from_sensor); }),

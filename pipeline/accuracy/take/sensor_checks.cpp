@@ -2,454 +2,315 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "evaluators/alignment/alignment.h"
-#include "evaluators/metrics/quantiles.h"
-#include "evaluators/metrics/student.h"
-#include "pipeline/accuracy/take/movement_lag.h"
+#include "datasets/base/median.h"
+#include "datasets/base/units.h"
 #include "pipeline/accuracy/take/take_checks.h"
+#include "pipeline/stream_fit/sensor_fit.h"
+#include "pipeline/stream_fit/stream_words.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostViewInstants = 400;    // that places are compared at, spread over the take
-constexpr std::size_t kMostClockInstants = 3000;  // that movements are compared at, one after the other
-constexpr std::size_t kClockJoints = 6;
-constexpr std::size_t kFewestRows = 100;  // joints at instants; fewer are not checked
-// Beyond these the recording contradicts its description. Trackers differ by a few centimetres, and a
-// calibration with bodies is good to a degree or two.
-constexpr double kSameStream_m = 0.0003;  // a tracker's noise alone is 1 mm
-constexpr double kMirrored_m = 0.1, kMirroredShare = 0.5;
-constexpr double kApart_m = 0.3,
-                 kLeastShare = 0.4;  // exchanged back, at most this share of the distances is left
-constexpr double kMoved_m = 0.15;
-constexpr double kMovement_s = 0.1;  // to both sides
-constexpr double kClock_s = 0.1, kClockSigmas = 2.0;
-constexpr double kClockSurely_s = 0.05;  // a lag less its uncertainty is larger
-constexpr double kOneRange = 0.08, kAllRanges = 0.04;
-constexpr double kSigmas = 3.0;         // and so many standard deviations over the sensors
-constexpr double kLeastCrossing = 0.3;  // of the rays at a joint: 0 when all are parallel
+constexpr std::size_t kMaxSensorInstants = 20'000;
+constexpr std::size_t kMaxSameLooks = 400;  // instants at which two streams are compared
+constexpr std::size_t kMinSameRows = 100;   // joints at instants
+constexpr double kSameStream_m = 0.0003;    // a tracker's noise alone is 1 mm
 
-using Points = std::vector<Eigen::Vector3d>;
-
-double median_of(const std::vector<double>& values) { return quantiles_of(values, {0.5})[0]; }
-// Standard deviation of two or more values, about their median.
-double spread_of(const std::vector<double>& values, double median) {
-  double squares = 0.0;
-  for (const double value : values) squares += (value - median) * (value - median);
-  return std::sqrt(squares / (static_cast<double>(values.size()) - 1.0));
+// Joints of the middle, and one of each pair.
+std::vector<Joint> joints_once(const std::vector<Joint>& joints) {
+  std::vector<Joint> once;
+  for (const Joint joint : joints)
+    if (joint <= mirror_of(joint) || std::ranges::find(joints, mirror_of(joint)) == joints.end())
+      once.push_back(joint);
+  return once;
 }
 
-const Eigen::Vector3d& no_point() {
-  static const Eigen::Vector3d none = Eigen::Vector3d::Constant(kNaN);
-  return none;
+// The middle of a joint and that of the other side, in the sensor's frame: trackers take a person who turns
+// their back for one who faces them, which exchanges both. NaN where one of them is not tracked.
+Eigen::Vector3d middle_of(const ObservedBody& body, Joint joint) {
+  for (const Joint side : {joint, mirror_of(joint)})
+    if (body.state[static_cast<std::size_t>(side)] != TrackingState::tracked)
+      return Eigen::Vector3d::Constant(kNaN);
+  return 0.5 * (body.at(joint) + body.at(mirror_of(joint)));
 }
 
 class SensorChecker {
  public:
   SensorChecker(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies)
-      : plan_(plan), planned_(planned), bodies_(bodies), sensors_(bodies.sensors()) {
-    for (const Joint joint : plan.joints)
-      if (joint <= mirror_of(joint) || std::ranges::find(plan.joints, mirror_of(joint)) == plan.joints.end())
-        joints_.push_back(joint);
-    const std::size_t step = std::max<std::size_t>(1, bodies.instants() / kMostViewInstants);
-    in_sensor_.resize(sensors_);
-    for (std::size_t i = 0; i < bodies.instants(); i += step)
-      for (const Joint joint : joints_)
-        for (std::size_t s = 0; s < sensors_; ++s) in_sensor_[s].push_back(middle(i, s, joint));
-    for (std::size_t s = 0; s < sensors_; ++s) sound_.push_back(s);
-  }
+      : plan_(plan), planned_(planned), bodies_(bodies) {}
 
-  // The first finding explains those that would follow: sensors that are named are left out from then on.
   SensorChecks run() {
     find_same_streams();
-    find_mirrored();
-    place_all();
-    if (find_exchanged_poses()) {
-      checks_.misplaced = true;
-    } else {
-      find_clocks();  // a sensor that is late sees the person elsewhere: before the poses
-      find_poses();
-      find_moved();
-      find_scales();
-    }
+    if (sensors_.size() < 2) return std::move(checks_);
+    joints_ = joints_once(plan_.joints);
+    const SensorsFit fit = fit_sensors(streams(), planned_.level ? upright_points() : std::nullopt);
+    for (std::size_t k = 0; k < sensors_.size(); ++k)
+      checks_.rows.push_back(
+          {.take = planned_.take.id,
+           .subject = name(k),
+           .what = "apart",
+           .unit = "m",
+           .value = fit.apart_m[k],
+           .limit = kSensorsAgree_m,
+           .beyond = !fit.groups.empty() && !std::ranges::binary_search(fit.groups[0], k)});
+    for (std::size_t g = 1; g < fit.groups.size(); ++g)
+      for (const std::size_t k : fit.groups[g]) checks_.odd_sensors.push_back(sensors_[k]);
+    checks_.rig_changed = fit.rig.has_value();
+    checks_.is_one_person =
+        fit.rig || (!fit.changes.empty() && std::ranges::all_of(fit.changes, [](const SensorChange& change) {
+          return change.fit.status == StreamFitStatus::found && change.fit.after_m < kSensorsAgree_m;
+        }));
+    if (fit.rig)
+      note_rig(fit);
+    else if (!fit.changes.empty())
+      note_changes(fit);
+    else if (fit.groups.size() > 1)
+      note_no_two(fit);
     return std::move(checks_);
   }
 
  private:
-  // The middle of a joint and that of the other side, in the sensor's frame: trackers take a person who turns
-  // their back for one who faces them, which exchanges both.
-  Eigen::Vector3d middle(std::size_t instant, std::size_t sensor, Joint joint) const {
-    const ObservedBody& body = bodies_.at(instant, sensor);
-    for (const Joint side : {joint, mirror_of(joint)})
-      if (body.state[static_cast<std::size_t>(side)] != TrackingState::tracked) return no_point();
-    return 0.5 * (body.at(joint) + body.at(mirror_of(joint)));
-  }
-  const std::string& name(std::size_t s) const { return plan_.rig[s]; }
-  void leave_out(std::size_t s) { std::erase(sound_, s); }
-  CheckRow row(std::size_t s, const char* what, const char* unit, double value, double limit) const {
-    return {.take = planned_.take.id,
-            .subject = name(s),
-            .what = what,
-            .unit = unit,
-            .value = value,
-            .limit = limit};
-  }
-  void add(const CheckRow& row, bool beyond) {
-    checks_.rows.push_back(row);
-    checks_.rows.back().beyond = beyond;
+  const std::string& name(std::size_t k) const { return plan_.rig[sensors_[k]]; }
+  std::string names(const std::vector<std::size_t>& list) const {
+    std::vector<std::string> texts;
+    for (const std::size_t k : list) texts.push_back(name(k));
+    if (texts.size() == 1) return texts[0];
+    return fmt::format("{} and {}", fmt::join(texts.begin(), texts.end() - 1, ", "), texts.back());
   }
   void note(const std::filesystem::path& place, std::string text) {
     checks_.notes.push_back({planned_.take.id, false, place.string(), std::move(text)});
-  }
-  void note_session(std::string text) { note(planned_.take.session, std::move(text)); }
-  void note_calibration(std::string text) { note(planned_.take.calibration, std::move(text)); }
-
-  // Both in the frames that the transforms lead to; NaN for too few.
-  double distance_m(std::size_t a, const RigidTransform& of_a, std::size_t b,
-                    const RigidTransform& of_b) const {
-    std::vector<double> distances_m;
-    for (std::size_t k = 0; k < in_sensor_[a].size(); ++k) {
-      const double d_m = (of_a * in_sensor_[a][k] - of_b * in_sensor_[b][k]).norm();
-      if (std::isfinite(d_m)) distances_m.push_back(d_m);
-    }
-    return distances_m.size() < kFewestRows ? kNaN : median_of(distances_m);
   }
 
   // Median distance of the joints as two trackers deliver them, each in its own frame.
   double raw_distance_m(std::size_t a, std::size_t b) const {
     std::vector<double> distances_m;
-    const std::size_t step = std::max<std::size_t>(1, bodies_.instants() / kMostViewInstants);
+    const std::size_t step = std::max<std::size_t>(1, bodies_.instants() / kMaxSameLooks);
     for (std::size_t i = 0; i < bodies_.instants(); i += step)
       for (const Joint joint : plan_.joints)
         if (bodies_.at(i, a).has(joint) && bodies_.at(i, b).has(joint))
           distances_m.push_back((bodies_.at(i, a).at(joint) - bodies_.at(i, b).at(joint)).norm());
-    return distances_m.size() < kFewestRows ? kNaN : median_of(distances_m);
+    return distances_m.size() < kMinSameRows ? kNaN : median(std::move(distances_m));
   }
 
+  // Leaves out every stream that is another one again.
   void find_same_streams() {
-    for (std::size_t b = 1; b < sensors_; ++b)
-      for (std::size_t a = 0; a < b; ++a) {
-        const double apart_m = raw_distance_m(a, b);
-        if (!(apart_m < kSameStream_m)) continue;
-        add(row(b, "same stream", "m", apart_m, kSameStream_m), true);
-        note_session(
-            fmt::format("{} and {} hold the same bodies: one stream was recorded twice; leave one out with "
-                        "\"sensors\" in the study, and record again",
-                        name(a), name(b)));
-        leave_out(b);
-        break;
+    for (std::size_t b = 0; b < bodies_.sensors(); ++b) {
+      const auto same =
+          std::ranges::find_if(sensors_, [&](std::size_t a) { return raw_distance_m(a, b) < kSameStream_m; });
+      if (same == sensors_.end()) {
+        sensors_.push_back(b);
+        continue;
       }
-  }
-
-  void find_mirrored() {
-    std::vector<std::size_t> mirrored;
-    double plain_m = 0.0, mirrored_m = 0.0;
-    for (const std::size_t s : sound_) {
-      std::size_t against = 0, asked = 0;
-      for (const std::size_t other : sound_) {
-        if (other == s) continue;
-        const PointFit fit = fit_points(in_sensor_[s], in_sensor_[other]);
-        ++asked;
-        if (!(fit.rms_m > kMirrored_m && fit.mirrored_rms_m < kMirroredShare * fit.rms_m)) continue;
-        ++against;
-        plain_m = fit.rms_m;
-        mirrored_m = fit.mirrored_rms_m;
-      }
-      if (2 * against > asked) mirrored.push_back(s);
-    }
-    if (mirrored.empty()) return;
-    const bool either = sound_.size() == 2;
-    if (either) mirrored.resize(1);
-    for (const std::size_t s : mirrored) {
-      add(row(s, "mirrored", "1", mirrored_m / plain_m, kMirroredShare), true);
-      note_session(
-          fmt::format("{} sees the person as in a mirror (laid over each other {:.2f} m apart, mirrored "
-                      "{:.2f} m); record without mirroring{}",
-                      either ? "one of " + name(sound_[0]) + " and " + name(sound_[1]) : name(s), plain_m,
-                      mirrored_m, either ? "" : ", or leave it out with \"sensors\" in the study"));
-    }
-    for (const std::size_t s : mirrored) leave_out(s);
-  }
-
-  // Median distances between the sensors' views in the world, with these poses.
-  Eigen::MatrixXd distances_m(const std::vector<RigidTransform>& poses) const {
-    const auto n = static_cast<Eigen::Index>(sound_.size());
-    Eigen::MatrixXd d_m = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index a = 0; a < n; ++a)
-      for (Eigen::Index b = 0; b < a; ++b) {
-        const std::size_t sa = sound_[static_cast<std::size_t>(a)], sb = sound_[static_cast<std::size_t>(b)];
-        const double m = distance_m(sa, poses[sa], sb, poses[sb]);
-        d_m(a, b) = d_m(b, a) = std::isfinite(m) ? m : 0.0;
-      }
-    return d_m;
-  }
-
-  bool find_exchanged_poses() {
-    const Eigen::MatrixXd as_stated_m = distances_m(planned_.world_from_sensor);
-    if (sound_.size() < 2 || as_stated_m.maxCoeff() < kApart_m) return false;
-    double least_m = kLeastShare * as_stated_m.sum();
-    std::size_t one = 0, other = 0;
-    for (const std::size_t b : sound_)
-      for (const std::size_t a : sound_) {
-        if (a >= b) continue;
-        std::vector<RigidTransform> poses = planned_.world_from_sensor;
-        std::swap(poses[a], poses[b]);
-        if (const double sum_m = distances_m(poses).sum(); sum_m < least_m) {
-          least_m = sum_m;
-          one = a;
-          other = b;
-        }
-      }
-    if (one == other) return false;
-    const double pairs = static_cast<double>(sound_.size() * (sound_.size() - 1));
-    for (const std::size_t s : {one, other})
-      add(row(s, "poses exchanged", "1", least_m / as_stated_m.sum(), kLeastShare), true);
-    note_calibration(
-        fmt::format("has the poses of {} and {} exchanged, it seems: the sensors' views lie {:.2f} m apart, "
-                    "and {:.2f} m with both exchanged; mend it",
-                    name(one), name(other), as_stated_m.sum() / pairs, least_m / pairs));
-    return true;
-  }
-
-  void place_all() {
-    for (std::size_t s = 0; s < sensors_; ++s) {
-      in_world_.push_back(in_sensor_[s]);
-      for (Eigen::Vector3d& point : in_world_[s]) point = planned_.world_from_sensor[s] * point;
+      checks_.rows.push_back({.take = planned_.take.id,
+                              .subject = plan_.rig[b],
+                              .what = "same stream",
+                              .unit = "m",
+                              .value = raw_distance_m(*same, b),
+                              .limit = kSameStream_m,
+                              .beyond = true});
+      note(planned_.take.session,
+           fmt::format("{} and {} hold the same bodies: one stream was recorded twice; leave one out with "
+                       "\"sensors\" in the study, and record again",
+                       plan_.rig[*same], plan_.rig[b]));
     }
   }
-  // The mean of the sensors that are sound, without one.
-  Points mean_without(std::size_t without) const {
-    Points mean(in_world_.front().size());
-    for (std::size_t k = 0; k < mean.size(); ++k) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      double count = 0.0;
-      for (const std::size_t s : sound_)
-        if (s != without && in_world_[s][k].allFinite()) {
-          sum += in_world_[s][k];
-          count += 1.0;
-        }
-      mean[k] = sum / count;  // NaN without any
+
+  std::vector<SensorStream> streams() const {
+    const std::size_t step = 1 + bodies_.instants() / kMaxSensorInstants;
+    std::vector<SensorStream> streams;
+    for (const std::size_t s : sensors_) {
+      SensorStream stream{{0.0, plan_.study.rate_hz / static_cast<double>(step), joints_.size(), {}},
+                          planned_.world_from_sensor[s]};
+      for (std::size_t i = 0; i < bodies_.instants(); i += step)
+        for (const Joint joint : joints_) stream.in_sensor.at_m.push_back(middle_of(bodies_.at(i, s), joint));
+      streams.push_back(std::move(stream));
     }
-    return mean;
+    return streams;
   }
 
-  // In the median, from the mean of the other sensors; NaN for too few.
-  double apart_m(std::size_t s) const {
-    const Points others = mean_without(s);
-    std::vector<double> off_m;
-    for (std::size_t k = 0; k < others.size(); ++k)
-      if (const double m = (others[k] - in_world_[s][k]).norm(); std::isfinite(m)) off_m.push_back(m);
-    return off_m.size() < kFewestRows ? kNaN : median_of(off_m);
+  // A joint of the head or shoulders, and one of the legs.
+  std::optional<UprightPoints> upright_points() const {
+    const auto first_of = [&](std::initializer_list<Joint> wanted) {
+      for (const Joint joint : wanted)
+        if (const auto found = std::ranges::find(joints_, joint); found != joints_.end())
+          return found - joints_.begin();
+      return std::ptrdiff_t{-1};
+    };
+    const auto high = first_of({Joint::head, Joint::neck, Joint::spine_shoulder, Joint::shoulder_left});
+    const auto low = first_of({Joint::ankle_left, Joint::knee_left, Joint::hip_left, Joint::spine_base});
+    if (high < 0 || low < 0) return std::nullopt;
+    return UprightPoints{static_cast<std::size_t>(high), static_cast<std::size_t>(low)};
   }
 
-  // Keeps the sensors that see the person where most others do.
-  void find_poses() {
-    if (sound_.size() < 2) return;
-    const std::vector<std::size_t> all = sound_;
-    const Eigen::MatrixXd between_m = distances_m(planned_.world_from_sensor);
-    if (between_m.maxCoeff() >= kApart_m) {
-      Eigen::Index centre = 0;
-      (between_m.array() < kApart_m).rowwise().count().maxCoeff(&centre);
-      for (std::size_t s = 0; s < all.size(); ++s)
-        if (between_m(centre, static_cast<Eigen::Index>(s)) >= kApart_m) leave_out(all[s]);
+  static std::string falls_text(double before_m, double after_m) {
+    return fmt::format("falls from {:.1f} to {:.1f} cm", kCentimetresPerMetre * before_m,
+                       kCentimetresPerMetre * after_m);
+  }
+
+  void note_rig(const SensorsFit& fit) {
+    const std::string effect =
+        "put right, the mean distance between two sensors " + falls_text(fit.before_m, fit.after_m);
+    const RigChange& rig = *fit.rig;
+    if (std::abs(rig.distances - 1.0) > 1e-9) {
       checks_.misplaced = true;
+      const double percent = 100.0 * std::abs(1.0 / rig.distances - 1.0);
+      note(planned_.take.calibration,
+           fmt::format("places the sensors too far {}: all measure {:.1f} % too {}, by where they see the "
+                       "person; {}. Is its length right (the wand's, the unit)? Calibrate again",
+                       rig.distances > 1.0 ? "apart" : "together", percent,
+                       rig.distances > 1.0 ? "short" : "long", effect));
+    } else if (!rig.axes.isIdentity()) {
+      const bool is_mirrored = rig.axes.determinant() < 0.0;
+      if (fit.height_m < 0.0) {
+        note(planned_.take.session,
+             fmt::format("all sensors see the person upside down: with x, y, z of all bodies read as {} they "
+                         "stand upright. Write the bodies so",
+                         axes_text(rig.axes)));
+        return;
+      }
+      note(planned_.take.session,
+           fmt::format("all sensors see the person {}: with x, y, z of all bodies read as {}, {}. {}",
+                       is_mirrored ? "as in a mirror" : "in other axes than the calibration has",
+                       axes_text(rig.axes), effect,
+                       is_mirrored ? "Record without mirroring" : "Write the bodies so"));
+    } else {
+      checks_.misplaced = true;
+      note(planned_.take.calibration, poses_text(rig) + "; " + effect + ". Mend it");
     }
-    for (const std::size_t s : all)
-      add(row(s, "apart", "m", apart_m(s), kApart_m), std::ranges::find(sound_, s) == sound_.end());
-    if (all.size() == 2 && checks_.misplaced) {
-      note_calibration(
-          fmt::format("{} and {} see the person {:.2f} m apart, by the poses it has: one pose is wrong, "
-                      "or one clock is off by more than a second; calibrate again",
-                      name(all[0]), name(all[1]), between_m(0, 1)));
-      sound_.clear();
+  }
+
+  std::string poses_text(const RigChange& rig) const {
+    std::vector<std::size_t> moved;
+    std::vector<std::string> passed;
+    for (std::size_t k = 0; k < rig.pose_of.size(); ++k)
+      if (rig.pose_of[k] != k) {
+        moved.push_back(k);
+        passed.push_back(fmt::format("{} stands where it has {}", name(k), name(rig.pose_of[k])));
+      }
+    if (moved.size() == 2) return fmt::format("has the poses of {} exchanged, it seems", names(moved));
+    return fmt::format("has the poses of {} passed on among them, it seems: {}", names(moved),
+                       fmt::join(passed, ", "));
+  }
+
+  // Sensors outside the largest group, one note for each.
+  void note_changes(const SensorsFit& fit) {
+    const bool are_two = sensors_.size() == 2;
+    if (fit.groups.size() > 1 && !are_two && fit.groups[0].size() == fit.groups[1].size()) {
+      checks_.misplaced = true;
+      note(planned_.take.calibration,
+           fmt::format("{} see the person {:.2f} m from where {} do: the poses of some of them are wrong; "
+                       "calibrate again",
+                       names(fit.groups[0]), fit.changes.front().fit.before_m, names(fit.groups[1])));
       return;
     }
-    for (const CheckRow& found : checks_.rows)
-      if (found.what == "apart" && found.beyond && std::isfinite(found.value))
-        note_calibration(fmt::format(
-            "{} sees the person {:.2f} m from where the others do, by the pose it has: the pose "
-            "is wrong, or its clock is off by more than a second; calibrate again, or leave it out with "
-            "\"sensors\" in the study",
-            found.subject, found.value));
+    for (const SensorChange& change : fit.changes) note_change(change, are_two);
   }
 
-  // A sensor that was pushed during the take: its view moves against the others'.
-  void find_moved() {
-    if (sound_.size() < 2) return;
-    double most_m = kMoved_m;
-    std::size_t who = sensors_;
-    for (const std::size_t s : sound_) {
-      const Points others = mean_without(s);
-      const std::size_t third = others.size() / 3;
-      const auto mean_off = [&](std::size_t first, std::size_t end) {
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        std::size_t count = 0;
-        for (std::size_t k = first; k < end; ++k)
-          if (const Eigen::Vector3d off = in_world_[s][k] - others[k]; off.allFinite()) {
-            sum += off;
-            ++count;
-          }
-        return count < kFewestRows ? no_point() : Eigen::Vector3d(sum / static_cast<double>(count));
-      };
-      const double moved_m = (mean_off(others.size() - third, others.size()) - mean_off(0, third)).norm();
-      add(row(s, "moved", "m", moved_m, kMoved_m), false);
-      if (!(moved_m > most_m)) continue;
-      most_m = moved_m;
-      who = s;
+  struct Cause {
+    std::string what, remedy;
+    bool is_pose;
+  };
+
+  void note_change(const SensorChange& change, bool are_two) {
+    const std::string& who = name(change.sensor);
+    const std::string both = are_two ? name(1 - change.sensor) + " and " + who : "";
+    const std::string others = are_two ? name(1 - change.sensor) : "the others";
+    const std::string leave = are_two ? "" : ". Or leave it out with \"sensors\" in the study";
+    const std::string effect = fmt::format("put right, its mean distance from {} {}", others,
+                                           falls_text(change.fit.before_m, change.fit.after_m));
+    if (change.pushed_s) {
+      checks_.misplaced = true;
+      note(planned_.take.session,
+           fmt::format("{} moved during the take: at {:.1f} s its view shifts by {:.2f} m against {}; {}. "
+                       "Was it pushed? Then record again{}",
+                       are_two ? "one of " + both : who, *change.pushed_s, change.pushed_m,
+                       are_two ? "the other's" : "the others'", effect, leave));
+      return;
     }
-    if (who == sensors_) return;
-    for (CheckRow& found : checks_.rows) found.beyond |= found.what == "moved" && found.subject == name(who);
-    note_session(fmt::format(
-        "{} moved during the take: its view shifts by {:.2f} m against the others' from the first third to "
-        "the last; was it pushed? Record again, or leave it out with \"sensors\" in the study",
-        sound_.size() == 2 ? "a sensor" : name(who), most_m));
-    leave_out(who);
-  }
-
-  // The movements of some joints about each instant.
-  Movements movements_of(std::size_t sensor) const {
-    const std::size_t instants = std::min(bodies_.instants(), kMostClockInstants);
-    const std::size_t first = (bodies_.instants() - instants) / 2;
-    const std::size_t step = std::max<std::size_t>(1, joints_.size() / kClockJoints);
-    const auto around =
-        static_cast<std::size_t>(std::max(1LL, std::llround(kMovement_s * plan_.study.rate_hz)));
-    Movements movements{{}, (joints_.size() + step - 1) / step};
-    for (std::size_t i = first; i < first + instants; ++i)
-      for (std::size_t j = 0; j < joints_.size(); j += step)
-        movements.moved_m.push_back(
-            i < first + around || i + around >= first + instants
-                ? no_point()
-                : planned_.world_from_sensor[sensor].rotation *
-                      (middle(i + around, sensor, joints_[j]) - middle(i - around, sensor, joints_[j])));
-    return movements;
-  }
-
-  // Lag of a sensor's movements behind the sum of the others'.
-  MovementLag lag_of_sensor(const std::vector<Movements>& movements, std::size_t sensor) const {
-    Movements others{Points(movements[sensor].moved_m.size(), Eigen::Vector3d::Zero()),
-                     movements[sensor].joints};
-    for (const std::size_t s : sound_)
-      for (std::size_t k = 0; s != sensor && k < others.moved_m.size(); ++k)
-        if (movements[s].moved_m[k].allFinite()) others.moved_m[k] += movements[s].moved_m[k];
-    return lag_of(movements[sensor], others, plan_.study.rate_hz);
-  }
-
-  void find_clocks() {
-    if (sound_.size() < 2) return;
-    std::vector<Movements> movements;
-    for (std::size_t s = 0; s < sensors_; ++s) movements.push_back(movements_of(s));
-    while (sound_.size() >= 2) {
-      std::vector<CheckRow> rows;
-      double most_s = kClock_s;
-      std::size_t who = sensors_;
-      for (const std::size_t s : sound_) {
-        const auto [lag_s, sigma_s] = lag_of_sensor(movements, s);
-        const double reach_s = kClockSigmas * sigma_s;
-        rows.push_back(row(s, "lag", "s", lag_s, kClock_s));
-        rows.back().low = lag_s - reach_s;
-        rows.back().high = lag_s + reach_s;
-        const bool is_sure = std::abs(lag_s) - reach_s > kClockSurely_s;
-        if (!is_sure || std::abs(lag_s) <= most_s) continue;
-        most_s = std::abs(lag_s);
-        who = s;
+    if (change.fit.status == StreamFitStatus::found) {
+      const StreamChange& found = change.fit.changes.front();
+      std::vector<std::string> what, remedy;
+      const std::vector<Cause> causes = causes_texts(found, change.fit.before_m, who, others, both);
+      for (const Cause& cause : causes) {
+        what.push_back(cause.what);
+        remedy.push_back(cause.remedy);
       }
-      for (const CheckRow& found : rows)
-        if (who == sensors_ || found.subject == name(who)) checks_.rows.push_back(found);
-      if (who == sensors_) return;
-      CheckRow& late = checks_.rows.back();
-      late.beyond = true;
-      note_session(fmt::format(
-          "{} shows movements {:.2f} s {} than {}: is its clock the recording host's? Record again, or leave "
-          "it out with \"sensors\" in the study",
-          name(who), most_s, late.value > 0.0 ? "later" : "earlier",
-          sound_.size() == 2 ? name(sound_[0] == who ? sound_[1] : sound_[0]) : std::string("the others")));
-      leave_out(who);
+      const bool is_pose = std::ranges::all_of(causes, &Cause::is_pose);
+      checks_.misplaced |= is_pose;
+      note(is_pose ? planned_.take.calibration : planned_.take.session,
+           fmt::format("{}; {}. {}{}", fmt::join(what, ", and "), effect, fmt::join(remedy, "; "), leave));
+      return;
     }
-  }
-
-  // The ranges that sensors measure, over the distances to where their rays meet: by sensor, medians.
-  std::vector<double> range_ratios() const {
-    std::vector<std::vector<double>> ratios(sensors_);
-    for (std::size_t k = 0; k < in_sensor_.front().size(); ++k) {
-      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-      Eigen::Vector3d right = Eigen::Vector3d::Zero();
-      double rays = 0.0;
-      for (const std::size_t s : sound_) {
-        if (!in_sensor_[s][k].allFinite()) continue;
-        const RigidTransform& pose = planned_.world_from_sensor[s];
-        const Eigen::Vector3d ray = pose.rotation * in_sensor_[s][k].normalized();
-        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-        normal += across;
-        right += across * pose.translation_m;
-        rays += 1.0;
+    checks_.misplaced = true;
+    std::string which;
+    if (change.fit.status == StreamFitStatus::one_of) {
+      std::vector<std::string> ways;
+      for (const StreamChange& way : change.fit.changes) {
+        std::vector<std::string> what;
+        for (const Cause& cause : causes_texts(way, change.fit.before_m, who, others, both))
+          what.push_back(cause.what);
+        ways.push_back(fmt::format("{}", fmt::join(what, ", and ")));
       }
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal);
-      if (rays < 2.0 || eigen.eigenvalues()[0] < kLeastCrossing) continue;
-      const Eigen::Vector3d meet = normal.ldlt().solve(right);
-      for (const std::size_t s : sound_)
-        if (in_sensor_[s][k].allFinite())
-          ratios[s].push_back(in_sensor_[s][k].norm() /
-                              (meet - planned_.world_from_sensor[s].translation_m).norm());
+      which = fmt::format("one of these explains it, and the motion does not say which: {}",
+                          fmt::join(ways, "; or "));
+    } else {
+      which =
+          "none of these explains it: another pose, a mirror, a clock that is off by up to 3 s, another "
+          "scale, a push during the take; is it the same person?";
     }
-    std::vector<double> medians;
-    for (const std::vector<double>& list : ratios)
-      medians.push_back(list.size() < kFewestRows ? kNaN : median_of(list));
-    return medians;
+    note(planned_.take.session,
+         fmt::format("{} {:.2f} m {}; {}{}", are_two ? both + " see the person" : who + " sees the person",
+                     change.fit.before_m, are_two ? "apart" : "from where the others do", which,
+                     are_two ? "" : ". Leave it out with \"sensors\" in the study"));
   }
 
-  static std::string size_of(double ratio) {
-    return fmt::format("{:.1f} % too {}", 100.0 * std::abs(ratio - 1.0), ratio > 1.0 ? "long" : "short");
+  static std::vector<Cause> causes_texts(const StreamChange& change, double before_m, const std::string& who,
+                                         const std::string& others, const std::string& both) {
+    std::vector<Cause> causes;
+    if (change.mirrored)
+      causes.push_back(
+          {fmt::format("{} sees the person as in a mirror", both.empty() ? who : "one of " + both),
+           "Record without mirroring", false});
+    if (change.has_start)
+      causes.push_back({fmt::format("{} shows movements {:.2f} s {} than {}", who, std::abs(change.start_s),
+                                    change.start_s < 0.0 ? "later" : "earlier", others),
+                        "If its clock is not the recording host's, record again", false});
+    for (const SizeChange& size : change.sizes)
+      causes.push_back({fmt::format("{} measures {:.1f} % too {}", who, 100.0 * std::abs(size.factor - 1.0),
+                                    size.factor > 1.0 ? "long" : "short"),
+                        "Write its depths in metres, and its joints unscaled", false});
+    if (change.frame != FrameChange::none && !change.mirrored)
+      causes.push_back(
+          {both.empty()
+               ? fmt::format("{} sees the person {:.2f} m from where the others do, by the pose it has", who,
+                             before_m)
+               : fmt::format("{} see the person {:.2f} m apart, by the poses it has: one pose is wrong", both,
+                             before_m),
+           "Calibrate again", true});
+    return causes;
   }
 
-  void find_scales() {
-    if (sound_.size() < 2) return;
-    const std::vector<double> ratio = range_ratios();
-    const auto ratios_without = [&](std::size_t without) {
-      std::vector<double> list;
-      for (const std::size_t s : sound_)
-        if (s != without && std::isfinite(ratio[s])) list.push_back(ratio[s]);
-      return list;
-    };
-    for (const std::size_t s : sound_) {
-      const std::vector<double> others = ratios_without(s);
-      if (others.size() < 2 || !std::isfinite(ratio[s])) continue;
-      const double usual = median_of(others), off = ratio[s] / usual;
-      const double limit = std::max(kOneRange, kSigmas * spread_of(others, usual));
-      const bool beyond = std::abs(off - 1.0) > limit;
-      add(row(s, "range scale", "1", off, limit), beyond);
-      if (beyond)
-        note_session(
-            fmt::format("{} measures {}, by where the sensors' rays meet: are its depths in metres, and its "
-                        "joints unscaled? Leave it out with \"sensors\" in the study",
-                        name(s), size_of(off)));
-    }
-    const std::vector<double> all = ratios_without(sensors_);
-    if (all.size() < 2) return;
-    const double scale = median_of(all);
-    const double sigma = spread_of(all, scale) / std::sqrt(static_cast<double>(all.size()));
-    const bool beyond = std::abs(scale - 1.0) > std::max(kAllRanges, kSigmas * sigma);
-    CheckRow of_all = row(0, "range scale", "1", scale, kAllRanges);
-    of_all.subject = "all";
-    of_all.low = scale - student_quantile(all.size() - 1) * sigma;
-    of_all.high = scale + student_quantile(all.size() - 1) * sigma;
-    add(of_all, beyond);
-    if (beyond)
-      note_calibration(
-          fmt::format("places the sensors too far {}: all measure {}, by where their rays meet; is its "
-                      "length right (the wand's, the unit)? Calibrate again",
-                      scale < 1.0 ? "apart" : "together", size_of(scale)));
+  void note_no_two(const SensorsFit& fit) {
+    checks_.misplaced = true;
+    std::vector<std::size_t> all;
+    for (const auto& group : fit.groups) all.insert(all.end(), group.begin(), group.end());
+    std::ranges::sort(all);
+    note(
+        planned_.take.calibration,
+        fmt::format("no two of {} see the person in one place: {:.2f} m apart in the mean, and neither poses "
+                    "that were exchanged or passed on, nor other axes, nor another scale explain it; is it "
+                    "the calibration of this take? Calibrate again",
+                    names(all), fit.before_m));
   }
 
   const Plan& plan_;
   const PlannedTake& planned_;
   const BodyTracks& bodies_;
-  std::size_t sensors_;
-  std::vector<Joint> joints_;                 // those of the middle, and one of each pair
-  std::vector<Points> in_sensor_, in_world_;  // by sensor: instants x joints, the middles of both sides
-  std::vector<std::size_t> sound_;            // of whom nothing bad is known yet
+  std::vector<Joint> joints_;         // of the middle, and one of each pair
+  std::vector<std::size_t> sensors_;  // that are compared, as indices of the rig
   SensorChecks checks_;
 };
 

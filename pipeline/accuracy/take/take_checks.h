@@ -13,18 +13,20 @@ struct TakeChecks {
   std::vector<TakeNote> notes = {};
 };
 
-// Checks of the sensors of a take against each other: the same stream twice, a mirrored one, poses that were
-// exchanged or are far off or change during the take, a clock that is off, ranges or positions of another
-// scale. The first finding explains those that would follow. A sound take has no note.
+// Checks of the sensors of a take against each other: the same stream twice, and what fit_sensors() finds. A
+// sound take has no note.
 struct SensorChecks : TakeChecks {
-  bool misplaced = false;  // poses are exchanged or far off, so that one person's bodies lie apart
+  bool misplaced = false;      // poses are exchanged or far off, so that one person's bodies lie apart
+  bool is_one_person = false;  // what was found lays all bodies over each other
+  std::vector<std::size_t> odd_sensors;  // of the rig, outside the largest group that agrees
+  bool rig_changed = false;              // all sensors have one fault, which the truth would show, too
 };
 // `bodies`: as they were read, before anything is repaired.
 SensorChecks check_sensors(const Plan& plan, const PlannedTake& planned, const BodyTracks& bodies);
 
-// Checks of the sensors of a take against its ground truth, however the two worlds lie: a mirrored one,
-// another unit, of all or of one joint; joints that are exchanged in the mapping, or far from where they
-// should be. A sound take has no note.
+// Checks of the truth against the mean of the sensors, however the two worlds lie, by fit_streams(): a
+// mirrored one, another unit, of all or of one joint; joints that are exchanged in the mapping; and joints
+// far from where they should be. A sound take has no note.
 TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 // How each sensor is turned, shifted and measures beside its calibration, by the bodies (`data.shown`). A

@@ -122,12 +122,14 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
   std::optional<SensorChecks> checks;
   if (person && !person->sees_several) {
     checks = check_sensors(plan, planned, follow(plan, seen, nullptr, data.time));
-    if (checks->misplaced && !has_truth) person.reset();
+    if (checks->is_one_person || (checks->misplaced && !has_truth)) person.reset();
   }
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, seen, person ? &*person : nullptr, data.time);
   if (!checks) checks = check_sensors(plan, planned, data.bodies);
   data.sensor_named = !checks->notes.empty();
+  data.rig_changed = checks->rig_changed;
+  data.odd_sensors = checks->odd_sensors;
   append(std::move(*checks), data);
   bool any_seen = false;
   for (std::size_t i = 0; i < data.time.size(); ++i)
@@ -201,7 +203,7 @@ void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
   data.clock = clock.row;
-  if (!clock.warning.empty())
+  if (!clock.warning.empty() && !data.sensor_named)
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
   if (plan.study.clock != ClockSource::motion) return;
   if (std::isfinite(data.clock.offset_s))
@@ -299,7 +301,7 @@ TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data,
   repair(plan, planned, left_out, data);
   if (truth) {
     check_clock(plan, planned, truth->dense, stop_requested, data);
-    append(check_truth(plan, planned, data), data);
+    if (!data.rig_changed) append(check_truth(plan, planned, data), data);
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   if (left_out) leave_out(plan, planned, *left_out, data);

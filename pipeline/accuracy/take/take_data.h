@@ -54,7 +54,9 @@ struct TakeData {
   // for the take's first and second half.
   std::array<std::vector<RaySigma>, 2> sigma;
   std::vector<CheckRow> checks;  // what the take was checked by
-  bool sensor_named = false;     // a note of check_sensors() explains what else sensors seem to show
+  bool rig_changed = false;      // check_sensors() found a fault of all sensors, which the truth shows, too
+  std::vector<std::size_t> odd_sensors;  // that check_sensors() named: the truth is not judged by them
+  bool sensor_named = false;             // a note of check_sensors() explains what else sensors seem to show
   std::vector<TakeNote> notes;
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {

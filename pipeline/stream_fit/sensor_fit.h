@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "datasets/geometry/rigid_transform.h"
+#include "pipeline/stream_fit/stream_fit.h"
+
+namespace trilat {
+
+// Points of one person as one sensor sees them, in its frame, and its stated pose. All sensors of a rig have
+// the same points at the same instants.
+struct SensorStream {
+  PointStream in_sensor;
+  RigidTransform world_from_sensor;
+};
+
+// One change that makes all sensors of a rig agree.
+struct RigChange {
+  std::vector<std::size_t> pose_of;                    // sensor s stands where pose_of[s] is stated to
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of every sensor's frame, exchanged or turned round
+  double distances = 1.0;  // positions of the sensors are stated so many times too far apart
+};
+
+// What turns one sensor's view into that of others.
+struct SensorChange {
+  std::size_t sensor = 0;
+  StreamFit fit;  // in the sensor's frame: the view of the others is the reference
+  std::optional<double>
+      pushed_s{};         // time from which the sensor stands elsewhere; then `fit` holds errors alone
+  double pushed_m = 0.0;  // how far the view moved then
+};
+
+// Two points of the body of which one is above the other in a person who stands: as indices.
+struct UprightPoints {
+  std::size_t high = 0, low = 0;
+};
+
+struct SensorsFit {
+  // Sensors that agree, as they are stated or after `rig`; the largest group first. A sensor that sees
+  // nothing is in none.
+  std::vector<std::vector<std::size_t>> groups;
+  std::optional<RigChange> rig;
+  double before_m = 0.0, after_m = 0.0;  // mean distance between two sensors, without and with `rig`
+  double height_m = 0.0;                 // of the high point above the low one, as it is stated
+  std::vector<double> apart_m;        // of each sensor from the others of the first group; NaN when not known
+  std::vector<SensorChange> changes;  // of sensors outside the first group, against it
+};
+
+// Fits all sensors to one body. Two sensors agree when they see the points within `kSensorsAgree_m` of each
+// other in the mean, or differ by no change of that size. Where not all agree, poses that were exchanged or
+// passed on in a circle, axes that all sensors have otherwise, and distances between the sensors of another
+// scale are tried first: each explains all sensors at once. Else sensors outside the largest group are each
+// compared with it: mirrored, late, of another pose, another scale, or pushed during the take.
+// Nothing below these sizes is named: 20 cm of pose, 0.08 s, 8 % of one sensor's ranges, 4 % of distances.
+// `upright`, in a world that is level: a person who is upside down for all sensors is a change of all, too.
+SensorsFit fit_sensors(const std::vector<SensorStream>& sensors,
+                       const std::optional<UprightPoints>& upright = {});
+
+inline constexpr double kSensorsAgree_m = 0.2;
+
+}  // namespace trilat
