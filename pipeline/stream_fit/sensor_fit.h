@@ -4,24 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/geometry/rigid_transform.h"
+#include "pipeline/stream_fit/rig_change.h"
 #include "pipeline/stream_fit/stream_fit.h"
 
 namespace trilat {
-
-// Points of one person as one sensor sees them, in its frame, and its stated pose. All sensors of a rig have
-// the same points at the same instants.
-struct SensorStream {
-  PointStream in_sensor;
-  RigidTransform world_from_sensor;
-};
-
-// One change that makes all sensors of a rig agree.
-struct RigChange {
-  std::vector<std::size_t> pose_of;                    // sensor s stands where pose_of[s] is stated to
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of every sensor's frame, exchanged or turned round
-  double distances = 1.0;  // positions of the sensors are stated so many times too far apart
-};
 
 // What turns one sensor's view into that of others.
 struct SensorChange {
@@ -30,11 +16,6 @@ struct SensorChange {
   std::optional<double>
       pushed_s{};         // time from which the sensor stands elsewhere; then `fit` holds errors alone
   double pushed_m = 0.0;  // how far the view moved then
-};
-
-// Two points of the body of which one is above the other in a person who stands: as indices.
-struct UprightPoints {
-  std::size_t high = 0, low = 0;
 };
 
 struct SensorsFit {
@@ -57,7 +38,5 @@ struct SensorsFit {
 // `upright`, in a world that is level: a person who is upside down for all sensors is a change of all, too.
 SensorsFit fit_sensors(const std::vector<SensorStream>& sensors,
                        const std::optional<UprightPoints>& upright = {});
-
-inline constexpr double kSensorsAgree_m = 0.2;
 
 }  // namespace trilat

@@ -21,24 +21,6 @@ constexpr double kWantedBlocks = 12.0, kMaxBlocks = 400.0;
 constexpr double kInstantsOfBlock = 10.0;
 constexpr double kMinPairsOfBlock = 6.0;
 
-// Axes exchanged and turned round: of determinant 1, or -1 for mirrored ones.
-const std::vector<Eigen::Matrix3d>& signed_axes(bool mirrored) {
-  static const std::array<std::vector<Eigen::Matrix3d>, 2> all = [] {
-    std::array<std::vector<Eigen::Matrix3d>, 2> lists;
-    std::array<int, 3> order{0, 1, 2};
-    do {
-      for (int signs = 0; signs < 8; ++signs) {
-        Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
-        for (int row = 0; row < 3; ++row)
-          axes(row, order.at(static_cast<std::size_t>(row))) = (signs >> row & 1) != 0 ? -1.0 : 1.0;
-        lists.at(axes.determinant() < 0.0 ? 1 : 0).push_back(axes);
-      }
-    } while (std::ranges::next_permutation(order).found);
-    return lists;
-  }();
-  return all.at(mirrored ? 1 : 0);
-}
-
 Eigen::Matrix3d best_axes(const Eigen::Matrix3d& products, bool mirrored) {
   double best = -HUGE_VAL;
   Eigen::Matrix3d found = Eigen::Matrix3d::Identity();
@@ -87,6 +69,23 @@ std::vector<Pair> pairs_of_change(const StreamPair& pair, const TimeBlocks& bloc
 }
 
 }  // namespace
+
+const std::vector<Eigen::Matrix3d>& signed_axes(bool mirrored) {
+  static const std::array<std::vector<Eigen::Matrix3d>, 2> all = [] {
+    std::array<std::vector<Eigen::Matrix3d>, 2> lists;
+    std::array<int, 3> order{0, 1, 2};
+    do {
+      for (int signs = 0; signs < 8; ++signs) {
+        Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+        for (int row = 0; row < 3; ++row)
+          axes(row, order.at(static_cast<std::size_t>(row))) = (signs >> row & 1) != 0 ? -1.0 : 1.0;
+        lists.at(axes.determinant() < 0.0 ? 1 : 0).push_back(axes);
+      }
+    } while (std::ranges::next_permutation(order).found);
+    return lists;
+  }();
+  return all.at(mirrored ? 1 : 0);
+}
 
 void undo_sizes(const std::vector<SizeChange>& sizes, double subject_s, std::span<Eigen::Vector3d> points_m) {
   for (const SizeChange& size : sizes) {

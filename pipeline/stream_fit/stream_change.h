@@ -38,6 +38,9 @@ struct BodyRoot {
   std::size_t one = 0, other = 0;
 };
 
+// Axes exchanged and turned round: the 24 matrices of determinant 1, or those of determinant -1.
+const std::vector<Eigen::Matrix3d>& signed_axes(bool mirrored);
+
 // A change turns one stream, the subject, into another one, the reference. The default changes nothing.
 struct StreamChange {
   std::vector<SizeChange> sizes{};
