@@ -57,14 +57,17 @@ struct HistogramRow {
 
   TRILAT_FIELDS(quantity, method, alignment, subset, bins)
 };
-// So many between bin and bin + 1 millimetres; the last bin holds all that are longer.
+// So many lengths in one bin: of a millimetre each up to two metres, then each longer by half a per cent than
+// the one before; the last bin holds all that are longer.
 struct BinRow {
   std::uint32_t bin = 0, n = 0;
 
   TRILAT_FIELDS(bin, n)
 };
 inline constexpr double kBin_m = 0.001;
-inline constexpr std::uint32_t kLastBin = 2000;
+inline constexpr std::uint32_t kFineBins = 2000, kLastBin = 3400;  // the last one from 2.15 km on
+std::uint32_t bin_of(double length_m);
+double bin_starts_at_m(std::uint32_t bin);
 
 // Whole bodies of a method, at the instants at which it and `with` answer every joint that has a truth: sums
 // of the mean distance of their joints, after the body alignment and after one of each instant's own. `with`

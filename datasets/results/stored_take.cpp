@@ -17,7 +17,8 @@ namespace trilat {
 namespace {
 
 constexpr const char* kTakeFormat = "trilat.take";
-constexpr std::int64_t kTakeVersion = 2;
+constexpr double kBinGrowth = 1.005;
+constexpr std::int64_t kTakeVersion = 3;
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
 constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
 constexpr std::size_t kMaxSensors = 64;                  // each a track, where sensors are left out in turn
@@ -222,6 +223,18 @@ struct StoredTake::State {
   TakeHead head;
   std::vector<SampleTables> tracks;
 };
+
+std::uint32_t bin_of(double length_m) {
+  const double fine = length_m / kBin_m;
+  if (fine < kFineBins) return static_cast<std::uint32_t>(fine);
+  const double coarse = kFineBins + std::floor(std::log(fine / kFineBins) / std::log(kBinGrowth));
+  return static_cast<std::uint32_t>(std::min<double>(kLastBin, coarse));
+}
+
+double bin_starts_at_m(std::uint32_t bin) {
+  if (bin <= kFineBins) return bin * kBin_m;
+  return kFineBins * kBin_m * std::pow(kBinGrowth, bin - kFineBins);
+}
 
 StoredTake::StoredTake() : state_(std::make_unique<State>()) {}
 StoredTake::~StoredTake() = default;

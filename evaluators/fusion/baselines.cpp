@@ -79,11 +79,16 @@ DistanceSum distance_sum(const Points& points, const Eigen::Vector3d& x) {
   return sum;
 }
 
-// Newton's step where it makes the sum smaller, else Weiszfeld's, which always does off the points.
+// The longest of Newton's step and its halves that makes the sum smaller (beside two points that nearly
+// coincide whole ones go too far), else Weiszfeld's, which always does off the points.
 Eigen::Vector3d median_step(const Points& points, const Eigen::Vector3d& x, const DistanceSum& sum) {
-  const Eigen::Vector3d newton = x + sum.curvature.ldlt().solve(sum.pull);
-  if (sum.on_it == 0.0 && newton.allFinite() && distance_sum(points, newton).value_m < sum.value_m)
-    return newton;
+  constexpr int kHalvings = 30;
+  Eigen::Vector3d newton_m = sum.curvature.ldlt().solve(sum.pull);
+  for (int k = 0; k < kHalvings && sum.on_it == 0.0 && newton_m.allFinite(); ++k) {
+    const Eigen::Vector3d next = x + newton_m;
+    if (distance_sum(points, next).value_m < sum.value_m) return next;
+    newton_m *= 0.5;
+  }
   const double length = sum.pull.norm();
   const double stay = length > 0.0 ? std::min(1.0, sum.on_it / length) : 1.0;
   return (1.0 - stay) * (sum.weighted / sum.weights) + stay * x;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "datasets/base/error.h"
+#include "evaluators/metrics/student.h"
 
 namespace trilat {
 namespace {
@@ -36,7 +37,9 @@ bool is_allowed(const JointObservation& o, std::size_t sensor, const KalmanOptio
 }
 
 // Takes in one instant's positions one after the other; false when all were refused or none was there.
-bool update(PathState& state, std::span<const JointObservation> instant, const KalmanOptions& options) {
+// `gate`: of squared distances, in variances.
+bool update(PathState& state, std::span<const JointObservation> instant, const KalmanOptions& options,
+            double gate) {
   const double predicted_variance = state.covariance(0, 0);
   const Eigen::RowVector3d predicted = state.mean.row(0);
   bool accepted = false;
@@ -45,8 +48,7 @@ bool update(PathState& state, std::span<const JointObservation> instant, const K
     const double variance = variance_of(instant[s], options);
     const Eigen::RowVector3d point = instant[s].point_in_world_m.transpose();
     // against the prediction, so that the order of the sensors does not matter
-    const double limit_m2 = options.gate_sigma * options.gate_sigma * (predicted_variance + variance);
-    if ((point - predicted).squaredNorm() > 3.0 * limit_m2) continue;
+    if ((point - predicted).squaredNorm() > gate * (predicted_variance + variance)) continue;
     const Eigen::Vector2d gain = state.covariance.col(0) / (state.covariance(0, 0) + variance);
     state.mean += gain * (point - state.mean.row(0));
     state.covariance -= (gain * state.covariance.row(0)).eval();
@@ -83,7 +85,10 @@ class Path {
  public:
   Path(std::span<const std::int64_t> time_ns, const KalmanOptions& options,
        std::span<PointEstimate> estimates)
-      : time_ns_(time_ns), options_(options), estimates_(estimates) {}
+      : time_ns_(time_ns),
+        options_(options),
+        estimates_(estimates),
+        gate_(chi_square_limit(options.gate_sigma, 3.0)) {}
 
   void add(std::size_t i, std::span<const JointObservation> instant) {
     estimates_[i] = failed_estimate(SolveStatus::no_observation);
@@ -92,7 +97,7 @@ class Path {
       return;
     }
     PathState state = predicted(filtered_.back(), i);
-    if (update(state, instant, options_)) {
+    if (update(state, instant, options_, gate_)) {
       last_seen_ = i;
     } else if (seconds(last_seen_, i) > options_.longest_gap_s) {
       end();
@@ -149,6 +154,7 @@ class Path {
   std::span<const std::int64_t> time_ns_;
   const KalmanOptions& options_;
   std::span<PointEstimate> estimates_;
+  double gate_;
   bool running_ = false;
   std::size_t first_ = 0, last_seen_ = 0;
   std::vector<PathState> filtered_;  // the smoother's from first_ on

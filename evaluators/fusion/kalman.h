@@ -22,7 +22,8 @@ struct KalmanOptions {
   // 5^2 x 2 x 0.1.
   double acceleration_density_m2_s3 = 5.0;
   double speed_sigma_m_s = 2.0;  // of a joint that was not seen before, per axis
-  // A position farther from the prediction than this many standard deviations is left out.
+  // A position is left out that lies as unlikely far from the prediction as a number so many standard
+  // deviations off (chi-square of three degrees of freedom).
   double gate_sigma = 5.0;
   // How long the path goes on without an accepted position; then it ends, and the next position starts anew.
   double longest_gap_s = 0.215;

@@ -50,6 +50,11 @@ double student_two_sided(double t, std::size_t degrees) {
   return 2.0 * gsl_cdf_tdist_Q(std::abs(t), static_cast<double>(degrees));
 }
 
+double chi_square_limit(double sigmas, double dimensions) {
+  const double p = std::erfc(sigmas / std::sqrt(2.0));
+  return p > 0.0 ? gsl_cdf_chisq_Qinv(p, dimensions) : sigmas * sigmas;
+}
+
 double gamma_quantile(double p, double shape, double scale) {
   TRILAT_CHECK(
       p > 0.0 && p < 1.0 && shape > 0.0 && scale > 0.0 && std::isfinite(shape) && std::isfinite(scale),

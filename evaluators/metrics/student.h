@@ -20,6 +20,11 @@ double student_quantile(std::size_t degrees, double alpha = 0.05);
 // side. 1 for t = 0, 0 for infinite t, NaN for NaN or no degrees.
 double student_two_sided(double t, std::size_t degrees);
 
+// The squared length, in variances of one axis, that a normal vector of so many dimensions exceeds as rarely
+// as a normal number exceeds `sigmas` standard deviations on either side: the quantile of chi-square. Of more
+// than 37, where that probability is no number any more, the square of `sigmas`.
+double chi_square_limit(double sigmas, double dimensions);
+
 // The quantile of the gamma distribution: what is not exceeded with probability `p`. Shape and scale must be
 // finite and greater than 0, `p` between 0 and 1: InternalError otherwise. GSL's own inverse fails for a
 // fifth of the shapes beyond 2000, so the distribution itself is inverted.

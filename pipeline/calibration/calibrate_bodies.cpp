@@ -158,6 +158,7 @@ double square(double value) { return value * value; }
 struct Equations {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
+  Eigen::MatrixXd of_depth;  // by sensor: how its gradient changes when its unit measures too far
 };
 
 // Adds what one point's observations say. Their loss is soft-L1: rho(x) = 2 a^2 (sqrt(1 + x / a^2) - 1) of
@@ -170,6 +171,7 @@ void add_point(std::span<const PointObservation> seen, const Eigen::Vector3d& po
   Eigen::Matrix3d of_point = Eigen::Matrix3d::Zero();
   Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(3, unknowns);
   Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+  Eigen::MatrixXd pull_of_depth = Eigen::MatrixXd::Zero(3, equations.of_depth.cols());
   for (const PointObservation& o : seen) {
     const RigidTransform& pose = solution.sensors[o.sensor].world_from_sensor;
     const Eigen::Vector3d turned_m = pose.rotation * o.point_in_sensor_m;
@@ -179,8 +181,12 @@ void add_point(std::span<const PointObservation> seen, const Eigen::Vector3d& po
                                    (Eigen::Matrix3d::Identity() -
                                     per_m2 / square(options.robust_scale * root) * off_m * off_m.transpose());
     const Eigen::Vector3d force = per_m2 / root * off_m;
+    // a unit's depth error moves a joint along its ray
+    const Eigen::Vector3d force_of_depth =
+        -options.unit_depth_sigma_m / o.point_in_sensor_m.z() * (weight * turned_m);
     of_point += weight;
     pull += force;
+    pull_of_depth.col(static_cast<Eigen::Index>(o.sensor)) += force_of_depth;
     if (o.sensor == reference) continue;
     const Eigen::Index at = 6 * static_cast<Eigen::Index>(o.sensor - (o.sensor > reference ? 1 : 0));
     Eigen::Matrix<double, 3, 6> by_pose;
@@ -188,19 +194,24 @@ void add_point(std::span<const PointObservation> seen, const Eigen::Vector3d& po
         0.0, -turned_m.y(), turned_m.x(), 0.0, 0.0, 0.0, -1.0;
     equations.information.block<6, 6>(at, at) += by_pose.transpose() * weight * by_pose;
     equations.gradient.segment<6>(at) += by_pose.transpose() * force;
+    equations.of_depth.col(static_cast<Eigen::Index>(o.sensor)).segment<6>(at) +=
+        by_pose.transpose() * force_of_depth;
     mixed.middleCols<6>(at) += weight * by_pose;
   }
   const Eigen::MatrixXd eliminated = of_point.ldlt().solve(mixed);
   equations.information -= mixed.transpose() * eliminated;
   equations.gradient -= eliminated.transpose() * pull;
+  equations.of_depth -= eliminated.transpose() * pull_of_depth;
 }
 
-// Covariances of the poses by a jackknife over joints: from the solution one Newton step with each left out.
-std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement& solution,
-                                  std::size_t reference, const CalibrateBodiesOptions& options,
-                                  const std::string& place) {
+// Covariances of the poses by a jackknife over joints: from the solution one Newton step with each left out;
+// and by the depth error of each unit, which all its joints share.
+std::vector<Covariance> covariances_of(const RigProblem& problem, const RigRefinement& solution,
+                                       std::size_t reference, const CalibrateBodiesOptions& options,
+                                       const std::string& place) {
   const auto unknowns = static_cast<Eigen::Index>(6 * (problem.sensors - 1));
-  const Equations none{Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns)};
+  const Equations none{Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns),
+                       Eigen::MatrixXd::Zero(unknowns, static_cast<Eigen::Index>(problem.sensors))};
   std::map<std::size_t, Equations> of_joint;
   const std::span<const PointObservation> all(problem.observations);
   for (std::size_t first = 0, last = 0; first < all.size(); first = last) {  // a point's are neighbours
@@ -213,6 +224,7 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
   for (const auto& [joint, equations] : of_joint) {
     sum.information += equations.information;
     sum.gradient += equations.gradient;
+    sum.of_depth += equations.of_depth;
   }
   Eigen::MatrixXd steps(unknowns, static_cast<Eigen::Index>(of_joint.size()));
   Eigen::Index column = 0;
@@ -230,11 +242,13 @@ std::vector<Covariance> jackknife(const RigProblem& problem, const RigRefinement
             of_joint.size()));
   const double n = static_cast<double>(steps.cols());
   const Eigen::MatrixXd about_mean = steps.colwise() - steps.rowwise().mean();
+  const Eigen::MatrixXd by_depth = sum.information.ldlt().solve(sum.of_depth);
   std::vector<Covariance> result(problem.sensors, Covariance::Zero());
   for (std::size_t s = 0; s < problem.sensors; ++s) {
     if (s == reference) continue;
-    const auto rows = about_mean.middleRows<6>(6 * static_cast<Eigen::Index>(s - (s > reference ? 1 : 0)));
-    result[s] = (n - 1.0) / n * rows * rows.transpose();
+    const Eigen::Index at = 6 * static_cast<Eigen::Index>(s - (s > reference ? 1 : 0));
+    const auto by_joints = about_mean.middleRows<6>(at), of_sensor = by_depth.middleRows<6>(at);
+    result[s] = (n - 1.0) / n * by_joints * by_joints.transpose() + of_sensor * of_sensor.transpose();
   }
   return result;
 }
@@ -260,7 +274,7 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   if (refined.status != RigStatus::converged)
     throw InputError(path.string(),
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));
-  const auto covariances = jackknife(problem, refined, start.reference, options, path.string());
+  const auto covariances = covariances_of(problem, refined, start.reference, options, path.string());
   result.reference = start.reference;
   Calibration& calibration = result.calibration;
   calibration.method = "bodies";

@@ -15,6 +15,8 @@ struct CalibrateBodiesOptions {
   double longest_gap_s = 0.11;  // between two frames of a sensor that are interpolated
   // Standard deviation of a tracked joint, an axis: 3 cm of bias and 1.5 cm of noise.
   double joint_sigma_m = 0.0335;
+  // Of a unit's depth, which all its joints share: uniform in +-2.4 cm (docs/explanation/simulator.md).
+  double unit_depth_sigma_m = 0.0139;
   double robust_scale = 2.0;  // soft-L1 loss, in standard deviations
   std::function<bool()> stop_requested = {};
 };
@@ -29,7 +31,8 @@ struct BodyCalibration {
 // world is the best seen sensor's, moved to the floor below it and levelled by its floor plane: y up, z
 // horizontally out of the lens. Trackers see each joint a little off, differently from every side, and time
 // does not average that out: the stated uncertainty is a jackknife over joints (each left out in turn, by one
-// Newton step), which contains it. InputError says which sensor cannot be placed and why.
+// Newton step), which contains it, and the depth error of each unit, which it does not. InputError says which
+// sensor cannot be placed and why.
 BodyCalibration calibrate_bodies(const std::filesystem::path& session, const CalibrateBodiesOptions& options);
 
 }  // namespace trilat

@@ -86,8 +86,9 @@ double CellSums::length_at(std::uint64_t place) const {
   std::uint64_t before = 0;
   for (std::size_t bin = 0; bin < histogram.size(); ++bin) {
     if (place < before + histogram[bin]) {
-      const double low_m = static_cast<double>(bin) * kBin_m;
-      const double high_m = bin == kLastBin ? largest_m : low_m + kBin_m;
+      const auto of_bin = static_cast<std::uint32_t>(bin);
+      const double low_m = bin_starts_at_m(of_bin);
+      const double high_m = bin == kLastBin ? largest_m : bin_starts_at_m(of_bin + 1);
       const double share = (static_cast<double>(place - before) + 0.5) / static_cast<double>(histogram[bin]);
       return std::min(largest_m, low_m + (high_m - low_m) * share);
     }

@@ -138,7 +138,7 @@ class TrackErrors {
         row.absolute_m[x] += std::abs(error_m[axis]);
         row.largest_axis_m[x] = std::max(row.largest_axis_m[x], std::abs(error_m[axis]));
       }
-      const auto bin = static_cast<std::size_t>(std::min<double>(kLastBin, length_m / kBin_m));
+      const std::size_t bin = bin_of(length_m);
       std::vector<std::uint32_t>& of_part = bins[part];
       if (bin >= of_part.size()) of_part.resize(bin + 1);
       ++of_part[bin];

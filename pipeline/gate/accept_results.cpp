@@ -35,12 +35,12 @@ void copy_to(const fs::path& from, const fs::path& to) {
     throw OutputError(to.string(), "cannot be copied from " + from.string() + ": " + error.message());
 }
 
-// The files that a gate and a report compare: all but the items, and what is known of the hashes of files.
+// All files but what is known of the hashes of others. Items are kept for their samples: what one night
+// answers and the other does not is not compared.
 void copy_results(const fs::path& from, const fs::path& to) {
   make_folder(to);
   for (const fs::directory_entry& entry : fs::directory_iterator(from))
-    if (entry.is_regular_file() && entry.path().filename() != "hashes.json")
-      copy_to(entry.path(), to / entry.path().filename());
+    if (entry.path().filename() != "hashes.json") copy_to(entry.path(), to / entry.path().filename());
 }
 
 // A folder that is filled beside the baseline and takes its place at the end.

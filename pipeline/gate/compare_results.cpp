@@ -40,28 +40,51 @@ bool is_change(double now_m, double before_m, const GateLimits& limits) {
 }
 
 // The answers (samples) and summed error lengths (m) of one cell, or of one take in it, in both results.
+// Lengths are of the samples that both answer, where these are known.
 struct BothSums {
   std::uint64_t answered_before = 0, answered_now = 0;
+  std::uint64_t compared_before = 0, compared_now = 0;
   double length_before_m = 0.0, length_now_m = 0.0;
 
-  void add(const TakeJointRow& before, const TakeJointRow& now) {
+  void add(const TakeJointRow& before, const TakeJointRow& now, const CommonErrors* common) {
     answered_before += before.answered;
     answered_now += now.answered;
+    compared_before += common ? common->samples : before.answered;
+    compared_now += common ? common->samples : now.answered;
+    if (common) {
+      length_before_m += common->before_m;
+      length_now_m += common->now_m;
+      return;
+    }
     if (before.answered > 0) length_before_m += static_cast<double>(before.answered) * before.mae_m;
     if (now.answered > 0) length_now_m += static_cast<double>(now.answered) * now.mae_m;
   }
   double before_m() const {
-    return answered_before == 0 ? kNoNumber : length_before_m / static_cast<double>(answered_before);
+    return compared_before == 0 ? kNoNumber : length_before_m / static_cast<double>(compared_before);
   }
   double now_m() const {
-    return answered_now == 0 ? kNoNumber : length_now_m / static_cast<double>(answered_now);
+    return compared_now == 0 ? kNoNumber : length_now_m / static_cast<double>(compared_now);
   }
 };
+
+// Takes of which a method answers other samples now.
+std::set<std::string> takes_answered_otherwise(const ResultsSummary& before, const ResultsSummary& now) {
+  std::map<std::tuple<std::string, std::string, std::string, std::string>, std::uint64_t> answered;
+  for (const TakeJointRow& row : before.by_take)
+    answered[{row.take, row.condition, row.joint, row.method}] = row.answered;
+  std::set<std::string> takes;
+  for (const TakeJointRow& row : now.by_take) {
+    const auto found = answered.find({row.take, row.condition, row.joint, row.method});
+    if (found != answered.end() && found->second != row.answered) takes.insert(row.take);
+  }
+  return takes;
+}
 
 // The rows of both results that are of the same take, condition, joint and method.
 class SameTakes {
  public:
-  SameTakes(const ResultsSummary& before, const ResultsSummary& now, const std::vector<std::string>& same) {
+  SameTakes(const ResultsSummary& before, const ResultsSummary& now, const std::vector<std::string>& same,
+            const CommonErrorsOfRows& common) {
     std::map<std::tuple<std::string, std::string, std::string, std::string>, const TakeJointRow*> known;
     for (const TakeJointRow& row : before.by_take)
       known[{row.take, row.condition, row.joint, row.method}] = &row;
@@ -71,8 +94,11 @@ class SameTakes {
       if (found == known.end() || !wanted.contains(row.take)) continue;
       const CellKey key{row.condition, row.method, row.group};
       if (!cells_.contains(key)) order_.push_back(key);
-      cells_[key].add(*found->second, row);
-      takes_[key][row.take].add(*found->second, row);
+      const auto both = common.find({row.take, row.joint, row.method});
+      const bool is_other = found->second->answered != row.answered;
+      const CommonErrors* const errors = is_other && both != common.end() ? &both->second : nullptr;
+      cells_[key].add(*found->second, row, errors);
+      takes_[key][row.take].add(*found->second, row, errors);
     }
   }
   struct CellKey {
@@ -313,7 +339,13 @@ class Comparison {
     if (!takes.one_sided.empty())
       add_note(fmt::format("{} take{} only one side has, {}", takes.one_sided.size(),
                            takes.one_sided.size() == 1 ? " that" : "s that", takes.one_sided.front()));
-    if (!takes.same.empty()) compare_takes(pair.now.name, before, now, takes.same, limits_, report_);
+    if (!takes.same.empty()) {
+      const std::set<std::string> otherwise = takes_answered_otherwise(before, now);
+      const CommonErrorsOfRows common = common_errors(pair.before.folder, pair.now.folder, otherwise);
+      if (!otherwise.empty() && common.empty())
+        add_note("answers differ, and one side keeps no samples: errors are of what each side answers");
+      compare_takes(pair.now.name, before, now, takes.same, limits_, report_, common);
+    }
     if (!takes.other.empty())
       add_note(fmt::format("other recordings of {} take{}, {}", takes.other.size(),
                            takes.other.size() == 1 ? "" : "s", takes.other.front()));
@@ -376,8 +408,9 @@ std::string group_text(const std::string& group, const std::vector<std::string>&
 }  // namespace
 
 void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
-                   const std::vector<std::string>& same, const GateLimits& limits, GateReport& report) {
-  const SameTakes both(before, now, same);
+                   const std::vector<std::string>& same, const GateLimits& limits, GateReport& report,
+                   const CommonErrorsOfRows& common) {
+  const SameTakes both(before, now, same, common);
   struct Average {
     double before_m = 0.0, now_m = 0.0, groups = 0.0;
     std::vector<std::string> without;  // groups that one of both nights does not answer

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "pipeline/gate/common_samples.h"
 #include "pipeline/gate/gate_report.h"
 
 namespace trilat {
@@ -22,9 +23,11 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
 inline constexpr std::size_t kFewestJudged = 8;
 
 // Compares the errors of two accuracy results by take; `same`: the ids of the takes whose recordings are the
-// same. Adds findings to the report.
+// same. Adds findings to the report. `common`: of rows that one side answers otherwise, errors on the samples
+// that both answer.
 void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
-                   const std::vector<std::string>& same, const GateLimits& limits, GateReport& report);
+                   const std::vector<std::string>& same, const GateLimits& limits, GateReport& report,
+                   const CommonErrorsOfRows& common = {});
 
 // Compares the errors of two accuracy results of other recordings. The chances of the findings are not yet
 // corrected, and no finding is an alarm: see judge_chances(). Gives what can be found, in percent of an

@@ -93,19 +93,19 @@ ClockErrorRow row_of(const NetworkSpec& network, std::size_t method, const std::
   ClockErrorRow row;
   row.network = network.name;
   row.method = clock_method_names()[method];
-  std::vector<double> all_s, good, answered;
+  std::vector<double> all_s, good, asked;
   for (const TrialErrors& trial : trials) {
     const std::vector<double>& errors_s = trial.by_method_s[method];
     const ClockUnit unit = row.units.emplace_back(count_errors(errors_s));
     row.asked += unit.asked;
     for (double error_s : errors_s) all_s.push_back(std::abs(error_s));
     good.push_back(static_cast<double>(unit.below_2ms));
-    answered.push_back(static_cast<double>(unit.answered));
+    asked.push_back(static_cast<double>(unit.asked));
   }
   row.error = spread_times(std::move(all_s));
   if (row.error.n == 0) return row;
-  row.below_2ms = static_cast<double>(row.error.bins[0]) / static_cast<double>(row.error.n);
-  const ShareEstimate share = estimate_share(good, answered);
+  const ShareEstimate share = estimate_share(good, asked);
+  row.below_2ms = share.value;
   row.below_2ms_low = share.low;
   row.below_2ms_high = share.high;
   return row;

@@ -30,7 +30,7 @@ struct ClockErrorRow {
   std::string method;  // "none", "one exchange at the start", "as printed", …
   std::uint64_t asked = 0;
   TimeSpread error;  // absolute; n of those that got an answer
-  // Share of answers below 2 ms, with its 95 % interval over sensors and runs.
+  // Share of all that is asked with an error below 2 ms, with its 95 % interval over sensors and runs.
   double below_2ms = TimeSpread::kNone;
   double below_2ms_low = TimeSpread::kNone, below_2ms_high = TimeSpread::kNone;
   std::vector<ClockUnit> units = {};  // one a run and sensor, all sensors of the first run first

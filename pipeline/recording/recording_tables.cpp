@@ -21,23 +21,18 @@ TableValue share_cell(std::uint64_t part, std::uint64_t whole) {
   return TableValue::of(100.0 * share_of(part, whole), 2);
 }
 
-// Share of the sensors' runs, of those with an answer, in which every answer is.
+// Share of the sensors' runs in which every frame is.
 double wholly_below_4ms(const ClockErrorRow& row) {
-  std::uint64_t answering = 0, whole = 0;
-  for (const ClockUnit& unit : row.units) {
-    answering += unit.answered > 0;
-    whole += unit.answered > 0 && unit.below_4ms == unit.answered;
-  }
-  return share_of(whole, answering);
+  std::uint64_t whole = 0;
+  for (const ClockUnit& unit : row.units) whole += unit.below_4ms == unit.asked;
+  return share_of(whole, row.units.size());
 }
 
-// Share of the times with an answer from one bin on up to another.
-auto in_bins(std::size_t first, std::size_t last) {
-  return [=](const TimeSpread& time) {
-    std::uint64_t sum = 0;
-    for (std::size_t b = first; b <= last; ++b) sum += time.bins[b];
-    return share_of(sum, time.n);
-  };
+// Share of so many times that lies from one bin on up to another.
+double share_in_bins(const TimeSpread& time, std::uint64_t of, std::size_t first, std::size_t last) {
+  std::uint64_t sum = 0;
+  for (std::size_t b = first; b <= last; ++b) sum += time.bins[b];
+  return share_of(sum, of);
 }
 
 // Our rows behind the paper's.
@@ -112,8 +107,11 @@ Table table4_queue(const RecordingSummary& s, const std::optional<StageTimings>&
 Table table4_clocks(const RecordingSummary& s) {
   using R = ClockErrorRow;
   using T = TimeSpread;
-  const auto share = [](std::size_t first, std::size_t last) {
-    return of(&R::error, as_number(2, kPercent, in_bins(first, last)));
+  const auto of_asked = [](std::size_t first, std::size_t last) {
+    return [=](const R& r) { return share_in_bins(r.error, r.asked, first, last); };
+  };
+  const auto share = [&](std::size_t first, std::size_t last) {
+    return as_number(2, kPercent, of_asked(first, last));
   };
   const auto ms = [](double T::*seconds) { return of(&R::error, as_number(3, kMsPerS, seconds)); };
   const TimeSpread printed = printed_table4_times(&PrintedTable4::Row::clock_samples);
@@ -127,9 +125,7 @@ Table table4_clocks(const RecordingSummary& s) {
        {"method", "method", as_text(&R::method)},
        {"samples", "samples", of(&R::error, as_count(&T::n))},
        {"(0,2) ms (%)", "below_2ms_percent",
-        as_number(
-            2, kPercent, [](const R& r) { return in_bins(0, 0)(r.error); }, &R::below_2ms_low,
-            &R::below_2ms_high)},
+        as_number(2, kPercent, of_asked(0, 0), &R::below_2ms_low, &R::below_2ms_high)},
        {"[2,4) (%)", "from_2_to_4ms_percent", share(1, 1)},
        {"[4,11) (%)", "from_4_to_11ms_percent", share(2, 2)},
        {"[11,22) (%)", "from_11_to_22ms_percent", share(3, 3)},
@@ -147,7 +143,7 @@ Table table4_clocks(const RecordingSummary& s) {
   add_notes(table, "clock_errors",
             {{"good", std::to_string(printed.bins[0])},
              {"total", std::to_string(printed.n)},
-             {"percent", fmt::format("{:.2f}", kPercent * in_bins(0, 0)(printed))},
+             {"percent", fmt::format("{:.2f}", kPercent * share_in_bins(printed, printed.n, 0, 0))},
              {"printed", fmt::format("{:g}", paper.below_2ms_percent)},
              {"wanted", std::to_string(paper.frames * paper.clients)}});
   return table;
@@ -171,7 +167,8 @@ Table table4_processing(const StageTimings& t) {
   using R = StageTiming;
   using T = TimeSpread;
   const auto share = [](std::size_t first, std::size_t last) {
-    return of(&R::time, as_number(2, kPercent, in_bins(first, last)));
+    return of(&R::time, as_number(2, kPercent,
+                                  [=](const T& time) { return share_in_bins(time, time.n, first, last); }));
   };
   const auto us = [](double T::*seconds) { return of(&R::time, as_number(1, kUsPerS, seconds)); };
   // three of our bins make the paper's shortest

@@ -147,4 +147,8 @@ struct SweepSummary {
   void check(const JsonObject& object) const;
 };
 
+// Whether the last threshold but one is a compromise in a reading, at every error range: the last one takes
+// twice its steps, and the first one errs by a tenth more. False for fewer than three thresholds.
+bool is_compromise(const SweepSummary& summary, std::size_t reading);
+
 }  // namespace trilat

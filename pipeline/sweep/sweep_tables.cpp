@@ -14,9 +14,6 @@
 namespace trilat {
 namespace {
 
-// A compromise worth the name: the smallest threshold costs this many times the steps of the largest.
-constexpr double kCostly = 5.0;
-constexpr double kWorthwhile = 0.9;  // and brings an error below this many times
 constexpr double kFewAnswers = 0.9;  // share of the trials; below it the factors are those of the easy ones
 
 // Largest relative half interval of the mean errors of a reading's cells.
@@ -119,24 +116,14 @@ bool all_finite(const std::vector<double>& factors) {
   return std::ranges::all_of(factors, [](double f) { return std::isfinite(f); });
 }
 
-double most(const std::vector<double>& f) { return *std::ranges::max_element(f); }
-double least(const std::vector<double>& f) { return *std::ranges::min_element(f); }
-
 // Whether accuracy is bought with time: with the printed gradient, and still with the corrected one.
-std::string verdict_on(const SweepCompromise& c) {
+std::string verdict_on(const SweepSummary& s, const SweepCompromise& c) {
   if (!(std::min(c.printed_coverage, c.corrected_coverage) >= kFewAnswers))
     return fmt::format("no verdict, because only {:.0f} % of the trials are answered",
                        100.0 * std::min(c.printed_coverage, c.corrected_coverage));
-  const bool corrected_costs = most(c.corrected_iterations_factor) > kCostly;
-  if (!(most(c.printed_iterations_factor) > kCostly))
-    return "there is no compromise even with the printed gradient";
-  if (!(least(c.printed_error_factor) < kWorthwhile))
-    return std::string(
-               "small thresholds cost steps with the printed gradient and buy nothing, and with the "
-               "corrected one they cost ") +
-           (corrected_costs ? "steps too" : "next to nothing");
-  return corrected_costs ? "the compromise survives the corrected gradient"
-                         : "the compromise does not survive the corrected gradient";
+  if (!is_compromise(s, c.printed)) return "there is no compromise even with the printed gradient";
+  return is_compromise(s, c.corrected) ? "the compromise survives the corrected gradient"
+                                       : "the compromise does not survive the corrected gradient";
 }
 
 std::string compromise_sentence(const SweepSummary& s, const SweepCompromise& c) {
@@ -149,7 +136,7 @@ std::string compromise_sentence(const SweepSummary& s, const SweepCompromise& c)
       "times the error: {}.",
       c.best_for, span_text(c.printed_iterations_factor), span_text(c.corrected_iterations_factor),
       s.interpretations[c.corrected].damping, span_text(c.printed_error_factor),
-      span_text(c.corrected_error_factor), verdict_on(c));
+      span_text(c.corrected_error_factor), verdict_on(s, c));
 }
 
 // The readings that fit the printed errors best, those that fit the printed times, and what the smallest

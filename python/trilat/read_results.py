@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 NEWEST_SUMMARY = 9
 NEWEST_MANIFEST = 2
-NEWEST_TAKE = 2
+NEWEST_TAKE = 3
 ANSWERS = ("converged", "closed_form", "clamped", "given")
 AXES = "xyz"
 

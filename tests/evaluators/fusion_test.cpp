@@ -46,6 +46,21 @@ TEST(Median, LeavesNoNeighbourWithAShorterSum) {
   }
 }
 
+// Beside two points that nearly coincide, Newton's steps are far too long.
+TEST(Median, ConvergesBesidePointsThatNearlyCoincide) {
+  for (std::uint64_t trial = 0; trial < 300; ++trial) {
+    std::vector<JointObservation> seen;
+    for (std::size_t i = 0; i < 4; ++i)
+      seen.push_back(at(normal_vector({11, Purpose::test, trial * 16 + i})));
+    const double apart_m = std::pow(10.0, -4.0 - 8.0 * static_cast<double>(trial) / 300.0);
+    seen[1].point_in_world_m =
+        seen[0].point_in_world_m + apart_m * normal_vector({11, Purpose::test, trial * 16 + 5});
+    const PointEstimate estimate = solve_median(seen, {});
+    EXPECT_NE(estimate.status, SolveStatus::iteration_limit) << trial;
+    EXPECT_LT(estimate.iterations, 60) << trial;
+  }
+}
+
 TEST(Median, StandsOnAPointThatOutweighsTheOthers) {
   const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}), at({0, 1, 0}), at({-1, 0, 0}),
                                            at({0, -1, 0})};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -161,7 +162,7 @@ TEST(Kalman, ASinglePositionFarOffIsLeftOut) {
 
 // The gate stands where it says: just inside a position counts, just outside it is as if it had not been
 // seen.
-TEST(Kalman, TheGateIsSoManyStandardDeviationsFromThePrediction) {
+TEST(Kalman, TheGateIsAsUnlikelyAsSoManyStandardDeviations) {
   const KalmanOptions options;
   constexpr std::size_t kLast = 79;
   const double step = 1.0 / kRate_hz, r = options.sigma_m * options.sigma_m;
@@ -177,7 +178,15 @@ TEST(Kalman, TheGateIsSoManyStandardDeviationsFromThePrediction) {
       p -= (gain * p.row(0)).eval();
     }
   }
-  const double gate_m = options.gate_sigma * std::sqrt(3.0 * (predicted_variance + r));
+  // of three normal numbers: Q(x) = erfc(sqrt(x / 2)) + sqrt(2 x / pi) exp(-x / 2)
+  double low = 25.0, high = 75.0;
+  for (int k = 0; k < 60; ++k) {
+    const double x = 0.5 * (low + high);
+    const double beyond =
+        std::erfc(std::sqrt(0.5 * x)) + std::sqrt(2.0 * x / std::numbers::pi) * std::exp(-0.5 * x);
+    (beyond > std::erfc(options.gate_sigma / std::sqrt(2.0)) ? low : high) = x;
+  }
+  const double gate_m = std::sqrt(low * (predicted_variance + r));
   Walk walk = random_walk(7, kLast + 1, options);
   for (std::size_t i = 0; i <= kLast; ++i)  // at rest, so that the prediction is where it is
     for (std::size_t s = 0; s < kSensors; ++s) walk.seen[i * kSensors + s].point_in_world_m.setZero();

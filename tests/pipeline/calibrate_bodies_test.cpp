@@ -11,6 +11,7 @@
 #include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/study/machine.h"
 #include "tests/support/scratch.h"
+#include "tests/support/trials.h"
 
 namespace trilat {
 namespace {
@@ -20,7 +21,8 @@ using testing::HasSubstr;
 // How far the poses are from the truth, both beside the reference sensor's; (turn, rad; position, m) and the
 // stated deviations.
 struct BodiesError {
-  Eigen::Matrix<double, 6, 1> off, sigma;
+  Eigen::Matrix<double, 6, 1> off;
+  Eigen::Matrix<double, 6, 6> covariance;
 };
 
 // The declared tracker's errors that average out.
@@ -54,7 +56,7 @@ std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::ui
     const Eigen::AngleAxisd turn(pose.world_from_sensor.rotation * expected.rotation.conjugate());
     BodiesError error;
     error.off << turn.angle() * turn.axis(), pose.world_from_sensor.translation_m - expected.translation_m;
-    error.sigma = pose.covariance.value().diagonal().cwiseSqrt();
+    error.covariance = pose.covariance.value();
     errors.push_back(error);
   }
   return errors;
@@ -68,6 +70,22 @@ TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres)
     EXPECT_LT(error.off.tail<3>().norm(), 0.02);
     EXPECT_LT(error.off.head<3>().norm(), 0.5 * kRadPerDegree);
   }
+}
+
+// The mean of six where the stated covariance is right; 13 while a unit's depth error was not in it.
+TEST(CalibrateBodies, TheStatedCovarianceHoldsWhatAllJointsShare) {
+  const std::uint64_t runs = trials(160);
+  double squares = 0.0, poses = 0.0;
+  for (std::uint64_t run = 0; run < runs; ++run) {
+    const ScratchFolder folder;
+    for (const BodiesError& error : errors_from_bodies(folder, run, default_body_tracker(), 60)) {
+      squares += error.off.dot(error.covariance.ldlt().solve(error.off));
+      poses += 1.0;
+    }
+  }
+  ASSERT_GT(poses, 2.0 * static_cast<double>(runs));
+  EXPECT_GT(squares / poses, 3.0);
+  EXPECT_LT(squares / poses, 9.0);
 }
 
 TEST(CalibrateBodies, ARecordingThatIsReplacedMeanwhileIsRefused) {
@@ -93,7 +111,7 @@ TEST(CalibrateBodies, WithTrackerBiasTheStatedIntervalsHold) {
   for (std::uint64_t run = 0; run < 6; ++run)
     for (const BodiesError& error : errors_from_bodies(folder, run, default_body_tracker(), 8))
       for (int axis = 0; axis < 6; ++axis, ++asked)
-        held += std::abs(error.off[axis]) <= 1.96 * error.sigma[axis];
+        held += std::abs(error.off[axis]) <= 1.96 * std::sqrt(error.covariance(axis, axis));
   EXPECT_EQ(asked, 6 * 3 * 6);
   EXPECT_GE(held, 0.85 * asked);
 }

@@ -7,12 +7,15 @@
 #include <gmock/gmock.h>
 
 #include "datasets/results/gate_history.h"
+#include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/found_results.h"
 #include "pipeline/sweep/sweep_summary.h"
+#include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
+#include "tests/support/scratch.h"
 
 namespace trilat {
 namespace {
@@ -42,6 +45,31 @@ TEST(Gate, IsQuietAboutIdenticalResults) {
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.out, AllOf(HasSubstr("QUIET"), HasSubstr("every number the same: walks")));
+}
+
+// A method that ends before hard samples loses answers and gets no better by it.
+TEST(Gate, ErrorsAreOfTheSamplesThatBothNightsAnswer) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2, 4.0));
+  const auto run = [&](const char* night, int iterations) {
+    const std::string methods = fmt::format(
+        R"([{{"name": "n", "method": "nonlinear", "threshold": 1e-10, "max_iterations": {}}}])", iterations);
+    execute_study(study_of(R"("alignments": ["none"], "methods": )" + methods), campaign, folder / night, {});
+  };
+  run("before", 200);
+  run("now", 4);
+  const auto is_accuracy = [](const GateFinding& f) {
+    return f.kind == FindingKind::accuracy && f.direction != Direction::changed;
+  };
+  const GateReport report = compare_results(folder / "now", folder / "before");
+  EXPECT_TRUE(std::ranges::any_of(alarms_of(report),
+                                  [](const GateFinding& f) { return f.kind == FindingKind::coverage; }));
+  EXPECT_TRUE(std::ranges::none_of(report.findings, is_accuracy));
+  EXPECT_THAT(report.studies.at(0).note, Not(HasSubstr("keeps no samples")));
+  std::filesystem::remove_all(folder / "before/items");
+  const GateReport without = compare_results(folder / "now", folder / "before");
+  EXPECT_TRUE(std::ranges::any_of(without.findings, is_accuracy));
+  EXPECT_THAT(without.studies.at(0).note, HasSubstr("one side keeps no samples"));
 }
 
 TEST(Gate, NamesTheMethodAndJointGroupThatGotWorse) {

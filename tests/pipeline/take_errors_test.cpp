@@ -206,7 +206,7 @@ TEST(TakeErrors, OfOccludedSamplesAreARowOfTheirOwn) {
   EXPECT_EQ(row_of(table, 0, 0, 0, Subset::occluded).asked(), 0u);
 }
 
-TEST(TakeErrors, AreCountedByMillimetre) {
+TEST(TakeErrors, AreCountedByMillimetreAndBeyondTwoMetresByHalfAPerCent) {
   MadeTake made(3);
   for (std::uint64_t i = 0; i < 3; ++i)
     made.answer(i, 0, 0, made.truth_m(i, 0) + Vector3d(0, i == 2 ? 2.5 : 0.0505, 0));
@@ -214,7 +214,14 @@ TEST(TakeErrors, AreCountedByMillimetre) {
   ASSERT_EQ(table.histograms.at(0).bins, 2u);
   EXPECT_EQ(table.bins.at(0).bin, 50u);
   EXPECT_EQ(table.bins.at(0).n, 2u);
-  EXPECT_EQ(table.bins.at(1).bin, kLastBin);
+  EXPECT_LE(bin_starts_at_m(table.bins.at(1).bin), 2.5);
+  EXPECT_GT(bin_starts_at_m(table.bins.at(1).bin + 1), 2.5);
+  for (std::uint32_t bin = 0; bin < kLastBin; ++bin) {
+    const double from_m = bin_starts_at_m(bin), to_m = bin_starts_at_m(bin + 1);
+    EXPECT_NEAR(to_m - from_m, std::max(0.001, 0.005 * from_m * (bin < 2000 ? 0.0 : 1.0)), 1e-9 * to_m);
+    EXPECT_EQ(bin_of(0.5 * (from_m + to_m)), bin);
+  }
+  EXPECT_EQ(bin_of(1e9), kLastBin);
   EXPECT_EQ(table.bins.at(1).n, 1u);
 }
 

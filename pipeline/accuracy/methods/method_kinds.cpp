@@ -93,7 +93,8 @@ void motion_settings(Settings& s, Options& o) {
 
 void kalman_settings(Settings& s, MethodSpec& m) {
   motion_settings(s, m.kalman);
-  s("gate_sigma", m.kalman.gate_sigma, {1.0, 1e6}, "positions farther from the prediction are left out");
+  s("gate_sigma", m.kalman.gate_sigma, {1.0, 1e6},
+    "positions that are less likely than so many standard deviations are left out");
 }
 
 void rts_settings(Settings& s, MethodSpec& m) {

@@ -262,8 +262,9 @@ std::size_t reference_of(const StudySpec& study, const std::vector<Method>& meth
 
 namespace {
 
-// Adds what takes bring to the methods.
+// Adds what takes bring to the methods, in the order of their names.
 void add_brought_methods(Plan& plan) {
+  const auto first = static_cast<std::ptrdiff_t>(plan.methods.size());
   for (const Take& take : plan.campaign.takes)
     for (const BroughtJoints& joints : take.joints) {
       const auto same = std::ranges::find_if(
@@ -275,6 +276,8 @@ void add_brought_methods(Plan& plan) {
       plan.methods.emplace_back().spec.kind = &brought_kind();
       plan.methods.back().spec.name = joints.method;
     }
+  std::ranges::sort(plan.methods.begin() + first, plan.methods.end(), {},
+                    [](const Method& method) { return method.spec.name; });
 }
 
 // Whether all takes bring their joints and none has a session. InputError where only some do.
@@ -320,11 +323,16 @@ void plan_joints(Plan& plan) {
   for (const Joint joint : plan.joints) plan.names.emplace_back(name_of(joint));
 }
 
+// In an order that the takes' does not change: it is in the key of each.
 void plan_points(Plan& plan) {
   std::vector<std::string> known;
   for (const PlannedTake& planned : plan.takes)
     for (const NamedPoint& point : planned.points)
       if (std::ranges::find(known, point.name) == known.end()) known.push_back(point.name);
+  std::ranges::sort(known, {}, [](const std::string& name) {
+    const std::optional<Joint> joint = joint_from_name(name);
+    return std::pair(joint ? static_cast<int>(*joint) : static_cast<int>(kJointCount), name);
+  });
   for (const std::string& name : known)
     if (plan.study.joints.empty() || std::ranges::find(plan.study.joints, name) != plan.study.joints.end())
       plan.names.push_back(name);
