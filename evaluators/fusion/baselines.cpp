@@ -79,19 +79,27 @@ DistanceSum distance_sum(const Points& points, const Eigen::Vector3d& x) {
   return sum;
 }
 
-// The longest of Newton's step and its halves that makes the sum smaller (beside two points that nearly
-// coincide whole ones go too far), else Weiszfeld's, which always does off the points.
+// Weiszfeld's step, which always makes the sum smaller off the points, or the one of Newton's step and its
+// halves that makes it smaller still: beside two points that nearly coincide whole ones go too far.
 Eigen::Vector3d median_step(const Points& points, const Eigen::Vector3d& x, const DistanceSum& sum) {
-  constexpr int kHalvings = 30;
-  Eigen::Vector3d newton_m = sum.curvature.ldlt().solve(sum.pull);
-  for (int k = 0; k < kHalvings && sum.on_it == 0.0 && newton_m.allFinite(); ++k) {
-    const Eigen::Vector3d next = x + newton_m;
-    if (distance_sum(points, next).value_m < sum.value_m) return next;
-    newton_m *= 0.5;
-  }
   const double length = sum.pull.norm();
   const double stay = length > 0.0 ? std::min(1.0, sum.on_it / length) : 1.0;
-  return (1.0 - stay) * (sum.weighted / sum.weights) + stay * x;
+  Eigen::Vector3d best = (1.0 - stay) * (sum.weighted / sum.weights) + stay * x;
+  if (sum.on_it > 0.0) return best;
+  double least_m = distance_sum(points, best).value_m;
+  const Eigen::Vector3d newton_m = sum.curvature.ldlt().solve(sum.pull);
+  constexpr int kHalvings = 12;
+  for (int k = 0; k <= kHalvings && newton_m.allFinite(); ++k) {
+    const Eigen::Vector3d next = x + std::ldexp(1.0, -k) * newton_m;
+    const double value_m = distance_sum(points, next).value_m;
+    if (value_m < least_m) {
+      least_m = value_m;
+      best = next;
+    } else if (k > 0 && least_m < sum.value_m && best != next && value_m < sum.value_m) {
+      break;  // shorter ones make it less small again
+    }
+  }
+  return best;
 }
 
 PointEstimate median_of(const Points& points, const MedianOptions& options) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "datasets/base/error.h"
@@ -64,6 +65,9 @@ void add_take(TakeErrorsReader before, TakeErrorsReader now, CommonErrorsOfRows&
   if (head.tracks.size() != 1 || head_now.tracks.size() != 1 || head.instants != head_now.instants) return;
   const auto joints = common_places(head.joints, head_now.joints),
              methods = common_places(head.methods, head_now.methods);
+  for (const auto& [joint, joint_now] : joints)  // also those without a common sample
+    for (const auto& [method, method_now] : methods)
+      rows[{head.id, head.joints[joint], head.methods[method]}];
   for (std::uint64_t first = 0; first < head.instants; first += kInstantsAtOnce) {
     const std::uint64_t count = std::min(kInstantsAtOnce, head.instants - first);
     before.read(first, count);
@@ -84,10 +88,12 @@ void add_take(TakeErrorsReader before, TakeErrorsReader now, CommonErrorsOfRows&
 
 // The takes of results that keep their samples.
 std::map<std::string, std::filesystem::path> kept_takes(const std::filesystem::path& results) {
+  constexpr std::string_view kOfTakes = "takes/";
   std::map<std::string, std::filesystem::path> folders;
   for (const auto& [id, key] : read_item_keys(results)) {
     const std::filesystem::path folder = ItemStore(results).folder(key);
-    if (!key.empty() && std::filesystem::exists(folder / StoredTake::kName)) folders[id] = folder;
+    if (id.starts_with(kOfTakes) && !key.empty() && std::filesystem::exists(folder / StoredTake::kName))
+      folders[id.substr(kOfTakes.size())] = folder;
   }
   return folders;
 }

@@ -195,19 +195,22 @@ std::vector<std::vector<SizeChange>> size_candidates(const StreamPair& pair) {
 }
 
 std::vector<BodyRoot> root_candidates(const StreamPair& pair, const std::vector<std::size_t>& mirrored) {
-  std::vector<BodyRoot> roots;
+  std::vector<std::pair<double, BodyRoot>> found;  // what of the reference's movement the subject has
   for (std::size_t j = 0; j < mirrored.size(); ++j) {
     for (const std::size_t other : {j, mirrored[j]}) {
-      if (other < j || (other == j && !roots.empty() && roots.back().one == j)) continue;
+      if (other < j || (other == j && !found.empty() && found.back().second.one == j)) continue;
       const PointSpread reference = spread_of(pair.reference, j, other);
       const PointSpread subject = spread_of(pair.subject, j, other);
       if (!(reference.moves_m > kMinMovement_m)) continue;
-      if (std::isnan(subject.moves_m) || subject.moves_m < kStaysWithin * reference.moves_m)
-        roots.push_back({j, other});
+      const double share = std::isnan(subject.moves_m) ? 0.0 : subject.moves_m / reference.moves_m;
+      if (share < kStaysWithin) found.emplace_back(share, BodyRoot{j, other});
     }
   }
+  std::ranges::stable_sort(found, {}, &std::pair<double, BodyRoot>::first);
   constexpr std::size_t kMax = 4;
-  roots.resize(std::min(roots.size(), kMax));
+  std::vector<BodyRoot> roots;
+  for (const auto& [share, root] : std::span(found).first(std::min(found.size(), kMax)))
+    roots.push_back(root);
   return roots;
 }
 

@@ -219,9 +219,10 @@ def median_of_points(points_m):
         d_m = np.linalg.norm(away_m, axis=1)
         u = away_m / d_m[:, None]
         curvature = ((np.eye(3) - u[:, :, None] * u[:, None]) / d_m[:, None, None]).sum(axis=0)
-        next_m = x_m + np.linalg.solve(curvature, u.sum(axis=0))
-        if not np.linalg.norm(points_m - next_m, axis=1).sum() < d_m.sum():
-            next_m = (points_m / d_m[:, None]).sum(axis=0) / (1.0 / d_m).sum()
+        newton_m = np.linalg.solve(curvature, u.sum(axis=0))
+        tried_m = np.array([(points_m / d_m[:, None]).sum(axis=0) / (1.0 / d_m).sum(),
+                            *(x_m + newton_m * 0.5**k for k in range(13))])
+        next_m = tried_m[np.linalg.norm(points_m - tried_m[:, None], axis=2).sum(axis=1).argmin()]
         moved_m, x_m = np.linalg.norm(next_m - x_m), next_m
         if moved_m < 1e-9:
             return x_m, "converged"
