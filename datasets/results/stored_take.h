@@ -53,7 +53,7 @@ struct SampleBlock {
 // Which columns of a block to read; errors: without ranges, cost and GDOP, which are empty then.
 enum class SampleColumns { errors, all };
 
-// take.h5 (version 2), the item of a take: its samples and their errors. Equal takes give equal bytes. The
+// take.h5 (version 3), the item of a take: its samples and their errors. Equal takes give equal bytes. The
 // blocks of a track are written in the order of time; what is never written must be written empty.
 class StoredTake {
  public:

@@ -13,11 +13,12 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMaxLooks = 100;     // instants at which rigs are compared
-constexpr std::size_t kMinRigPairs = 100;  // points of two sensors; fewer decide nothing
-constexpr std::size_t kMaxAllOrders = 5;   // sensors of which every order of poses is tried
-constexpr double kExplainedShare = 0.5;    // of the distances that a change may leave
-constexpr double kMinDistances = 0.04;     // of a scale
+constexpr std::size_t kMaxLooks = 100;              // instants at which rigs are compared
+constexpr std::size_t kMinRigPairs = 100;           // points of two sensors; fewer decide nothing
+constexpr std::size_t kMaxAllOrders = 5;            // sensors of which every order of poses is tried
+constexpr double kExplainedShareOfAgreeing = 0.25;  // trackers' errors about one who stands fit a third
+constexpr double kExplainedShare = 0.5;             // of the distances that a change may leave
+constexpr double kMinDistances = 0.04;              // of a scale
 
 // Orders of the poses: of few sensors all, of more those that exchange two or pass three on in a circle.
 std::vector<std::vector<std::size_t>> orders_of_poses(std::size_t count) {
@@ -130,7 +131,10 @@ std::optional<RigChange> RigLooks::change_of_all(bool all_agree) const {
   const bool is_upside_down = height_m(as_stated) < kUpsideDown_m;
   std::optional<RigChange> best;
   constexpr double kNoWorse = 1.1;
-  double least_m = (is_upside_down && all_agree ? kNoWorse : kExplainedShare) * before_m;
+  double least_m = (!all_agree       ? kExplainedShare
+                    : is_upside_down ? kNoWorse
+                                     : kExplainedShareOfAgreeing) *
+                   before_m;
   // a later one must leave clearly less
   constexpr double kClearly = 0.8;
   const auto look_at = [&](const RigChange& change) {

@@ -102,12 +102,12 @@ class SensorsFitter {
   }
 
   // Whether a fit shows more than what sound trackers differ by: any difference of that size; a smaller one
-  // by a single cause that is no pose.
+  // by its clock or ranges alone, since a pose or a mirror fits the trackers' errors about one who stands.
   static bool is_named(const StreamFit& fit, double apart_m) {
     if (apart_m >= kSensorsAgree_m) return true;
     if (fit.status != StreamFitStatus::found) return false;
     const unsigned causes = causes_of(fit.changes.front());
-    return causes == kStartCause || causes == kSizeCause || (causes & kMirrorCause) != 0;
+    return causes == kStartCause || causes == kSizeCause;
   }
 
   // A sensor against what is given in the world.

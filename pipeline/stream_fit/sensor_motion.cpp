@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMovement_s = 0.1;  // to both sides
 constexpr double kMaxLag_s = 1.0;
+constexpr double kAgreeingShare = 0.7;     // of the movements may be left: else they are the trackers' noise
 constexpr double kLagTimes = 1.03;         // so much more is left without the lag
 constexpr double kMinLagDuration_s = 6.0;  // in less a few steps agree at several lags
 constexpr std::size_t kMinLagBlocks = 6, kMaxLagLooks = 3000;
@@ -27,6 +28,16 @@ PointStream movements_of(const PointStream& stream) {
       moves.at_m[k] = stream.at_m[k + reach] - stream.at_m[k - reach];
   }
   return moves;
+}
+
+double mean_length_m(const PointStream& moves) {
+  double sum_m = 0.0, count = 0.0;
+  for (const Eigen::Vector3d& moved_m : moves.at_m)
+    if (moved_m.allFinite()) {
+      sum_m += moved_m.norm();
+      count += 1.0;
+    }
+  return sum_m / count;
 }
 
 ViewPush push_at(const PointStream& view, const PointStream& others, double at_s) {
@@ -74,6 +85,7 @@ ViewLag lag_of(const PointStream& view, const PointStream& others) {
   if (blocks.count < kMinLagBlocks || of_others.duration_s() < kMinLagDuration_s) return {};
   blocks.step = 1 + of_others.instants() / kMaxLagLooks;
   const auto reach = static_cast<std::ptrdiff_t>(std::floor(kMaxLag_s * view.rate_hz));
+  const double movement_m = mean_length_m(of_others);
   std::vector<std::vector<double>> left;  // by lag and block
   for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag) {
     const StreamChange late{.start_s = -static_cast<double>(lag) / view.rate_hz, .has_start = true};
@@ -89,6 +101,7 @@ ViewLag lag_of(const PointStream& view, const PointStream& others) {
     const auto k = static_cast<std::size_t>(std::ranges::min_element(mean) - mean.begin());
     if (k == 0 || k + 1 == mean.size() || mean[static_cast<std::size_t>(reach)] < kLagTimes * mean[k])
       return kNaN;
+    if (mean[k] > kAgreeingShare * movement_m) return kNaN;
     const double below = mean[k - 1], above = mean[k + 1];
     const double between = 0.5 * (below - above) / (below - 2.0 * mean[k] + above);
     return (static_cast<double>(k) - static_cast<double>(reach) + between) / view.rate_hz;

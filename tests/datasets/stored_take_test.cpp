@@ -171,7 +171,7 @@ TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {
   file.set_integer("version", 99);
   file.close();
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "newer.h5"); }),
-              HasSubstr("newer.h5: is another version; this program reads version 2"));
+              HasSubstr("newer.h5: is another version; this program reads version 3"));
   write_all(folder / "whole.h5", {0, 2, 4, 6, 8});
   const std::string bytes = read_file(folder / "whole.h5");
   for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 23) {
