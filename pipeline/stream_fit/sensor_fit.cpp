@@ -21,8 +21,9 @@ constexpr StreamFitOptions kLookedFor{
 constexpr std::size_t kMinPairs = 100;  // points of two sensors; fewer decide nothing
 constexpr double kPushedShare = 0.7, kMinPushed_m = 0.15;
 constexpr double kSound_m = 0.05;  // mean distance between sensors below which no change of all is looked for
-constexpr double kMinLag_s = 0.08;   // by movements
-constexpr double kSureLag_s = 0.05;  // less its uncertainty, a lag is larger
+constexpr double kMinLag_s = 0.08;     // by movements
+constexpr double kNearerShare = 0.98;  // of the distance may be left without the lag
+constexpr double kSureLag_s = 0.05;    // less its uncertainty, a lag is larger
 
 using Sensors = std::vector<std::size_t>;
 
@@ -261,6 +262,8 @@ class SensorsFitter {
       change.fit.before_m = mean_distance_m(reference, s.in_sensor);
       change.fit.after_m =
           mean_of_known(errors_of_change(pair, blocks_of(pair), change.fit.changes[0]).plain_m);
+      // of one who stands movements are noise, and a lag brings the views no nearer
+      if (!(change.fit.after_m < kNearerShare * change.fit.before_m)) break;
       fit.changes.push_back(std::move(change));
       late.push_back(who);
       std::erase(group, who);
