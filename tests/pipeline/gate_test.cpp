@@ -53,7 +53,8 @@ TEST(Gate, ErrorsAreOfTheSamplesThatBothNightsAnswer) {
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2, 4.0));
   const auto run = [&](const char* night, int iterations) {
     const std::string methods = fmt::format(
-        R"([{{"name": "n", "method": "nonlinear", "threshold_cm2": 1e-6, "max_iterations": {}}}])", iterations);
+        R"([{{"name": "n", "method": "nonlinear", "threshold_cm2": 1e-6, "max_iterations": {}}}])",
+        iterations);
     execute_study(study_of(R"("alignments": ["none"], "methods": )" + methods), campaign, folder / night, {});
   };
   run("before", 200);
