@@ -33,6 +33,15 @@ std::string verdict(const MeasuredNumber& number, const ClaimBound& bound) {
   return judge({number_of(number, bound)}).verdict;
 }
 
+TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
+  const ClaimChance above = chance_of(estimate(0.2, 0.01), more_than(10)),
+                    below = chance_of(estimate(0.05, 0.01), more_than(10));
+  EXPECT_LT(above.holds, 1e-6);
+  EXPECT_EQ(above.fails, 1.0);
+  EXPECT_EQ(below.holds, 1.0);
+  EXPECT_LT(below.fails, 1e-3);
+}
+
 TEST(Claims, AreDecidedWhereTheIntervalLeavesTheMarginOut) {
   for (const double off : {2.14, 2.12}) {  // quantile of 15 degrees: 2.1314
     const std::string decided = off > 2.1314 ? kHolds : kUndecided,
