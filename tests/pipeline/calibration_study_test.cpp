@@ -13,6 +13,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
+#include "pipeline/calibration_study/calibration_findings.h"
 #include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/calibration_study/rig_trials.h"
 #include "pipeline/calibration_study/simulated_run.h"
@@ -33,6 +34,18 @@ CalibrationSpec calibration_spec_of(const std::string& members) {
   const std::string text =
       R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "test")" + members + "}";
   return parse_calibration_spec(parse_json(text, "study.json"), "study.json");
+}
+
+// Columns without a depth count for nothing.
+TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
+  std::vector<double> by_column(512, 0.02);
+  std::fill(by_column.begin() + 150, by_column.begin() + 351, 0.01);
+  by_column[0] = by_column[200] = by_column[511] = NAN;
+  const ColumnMeans means = column_means(by_column);
+  EXPECT_NEAR(means.left, 0.02, 1e-12);
+  EXPECT_NEAR(means.middle, 0.01, 1e-12);
+  EXPECT_NEAR(means.right, 0.02, 1e-12);
+  EXPECT_NEAR(means.edge_to_middle(), 2.0, 1e-9);
 }
 
 // 1 to 5 mm: the mean is 3, the squares about it add up to 10; quantiles interpolate between neighbours.
