@@ -21,8 +21,8 @@ double student_quantile(std::size_t degrees, double alpha = 0.05);
 double student_two_sided(double t, std::size_t degrees);
 
 // The squared length, in variances of one axis, that a normal vector of so many dimensions exceeds as rarely
-// as a normal number exceeds `sigmas` standard deviations on either side: the quantile of chi-square. Of more
-// than 37, where that probability is no number any more, the square of `sigmas`.
+// as a normal number exceeds `sigmas` standard deviations on either side: the quantile of chi-square. Beyond
+// 37 standard deviations the probability underflows, and the limit is the square of `sigmas`.
 double chi_square_limit(double sigmas, double dimensions);
 
 // The quantile of the gamma distribution: what is not exceeded with probability `p`. Shape and scale must be

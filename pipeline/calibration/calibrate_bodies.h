@@ -15,7 +15,8 @@ struct CalibrateBodiesOptions {
   double longest_gap_s = 0.11;  // between two frames of a sensor that are interpolated
   // Standard deviation of a tracked joint, an axis: 3 cm of bias and 1.5 cm of noise.
   double joint_sigma_m = 0.0335;
-  // Of a unit's depth, which all its joints share: uniform in +-2.4 cm (docs/explanation/simulator.md).
+  // Standard deviation of a unit's depth error, which all its joints share: it is uniform within 2.4 cm to
+  // both sides (docs/explanation/simulator.md).
   double unit_depth_sigma_m = 0.0139;
   double robust_scale = 2.0;  // soft-L1 loss, in standard deviations
   std::function<bool()> stop_requested = {};

@@ -27,7 +27,8 @@ class TakeErrorsReader {
   void read(std::uint64_t first, std::uint64_t count) {
     take_.read(0, first, count, SampleColumns::errors, block_);
   }
-  // In the block that was read; nothing where it is no answer, or has no truth.
+  // The error at an instant of the block that was read; nothing where the method has no answer or the joint
+  // no truth.
   std::optional<double> error_m(std::uint64_t in_block, std::size_t joint, std::size_t method) const {
     const std::size_t joints = head().joints.size(), methods = head().methods.size();
     const std::size_t at_joint = in_block * joints + joint, at = at_joint * methods + method;

@@ -343,7 +343,9 @@ class Comparison {
       const std::set<std::string> otherwise = takes_answered_otherwise(before, now);
       const CommonErrorsOfRows common = common_errors(pair.before.folder, pair.now.folder, otherwise);
       if (!otherwise.empty() && common.empty())
-        add_note("answers differ, and one side keeps no samples: errors are of what each side answers");
+        add_note(
+            "answers differ, and one side keeps no samples, or sensors are left out: errors are of what each "
+            "side answers");
       compare_takes(pair.now.name, before, now, takes.same, limits_, report_, common);
     }
     if (!takes.other.empty())

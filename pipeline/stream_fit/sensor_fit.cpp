@@ -143,8 +143,8 @@ class SensorsFitter {
     });
   }
 
-  // Of changes that explain as much, the one with the fewest parameters: that a pose turns just as a person
-  // walks about a circle, or is shifted just along the rays, would be chance.
+  // Keeps the change with the fewest parameters of those that explain as much: that a pose turns just as a
+  // person walks about a circle, or is shifted just along the rays, would be chance.
   static void choose_simplest(const StreamPair& pair, StreamFit& fit) {
     if (fit.status != StreamFitStatus::one_of) return;
     constexpr double kAsWell = 1.2;
@@ -191,7 +191,8 @@ class SensorsFitter {
     return mean;
   }
 
-  // Of two sensors, which are as likely, the one whose change explains more.
+  // The change of this sensor; where there are two, either may be at fault, and the change that explains more
+  // is given.
   SensorChange change_against(std::size_t sensor, const Sensors& group) const {
     SensorChange change = change_of(sensor, mean_of(group, sensor));
     if (sensors_.size() != 2 || change.pushed_s) return change;
@@ -223,7 +224,8 @@ class SensorsFitter {
         SensorChange change = change_against(s, groups.front());
         if (change.pushed_s || is_named(change.fit, fit.apart_m[s])) {
           fit.changes.push_back(std::move(change));
-          outside.push_back(s);
+          outside.push_back(fit.changes.back().sensor);
+          if (fit.changes.back().sensor != s) groups.front() = {s};  // the other one of two
         } else {
           agree.push_back(s);
         }
@@ -235,8 +237,8 @@ class SensorsFitter {
     fit.groups = std::move(groups);
   }
 
-  // Of sensors that agree in the mean, those whose movements are late; the latest first, and each explains
-  // what others seem to be early by.
+  // Puts sensors outside whose movements are late, though all agree in the mean. The latest goes first, since
+  // it makes the others seem early.
   void find_late(SensorsFit& fit) const {
     Sensors& group = fit.groups.front();
     Sensors late;
@@ -272,7 +274,7 @@ class SensorsFitter {
     if (!late.empty()) fit.groups.push_back(late);
   }
 
-  // Of sensors that agree in the mean, the one that was moved farthest is put outside.
+  // Puts the sensor outside that was moved farthest, though all agree in the mean.
   void find_pushed(SensorsFit& fit) const {
     Sensors& group = fit.groups.front();
     std::optional<SensorChange> farthest;

@@ -9,7 +9,7 @@
 
 namespace trilat {
 
-// What turns one sensor's view into that of others.
+// The change that turns one sensor's view into that of the others.
 struct SensorChange {
   std::size_t sensor = 0;
   StreamFit fit;  // in the sensor's frame: the view of the others is the reference

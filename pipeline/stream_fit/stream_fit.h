@@ -33,9 +33,9 @@ struct StreamFit {
 inline constexpr double kEarnedShare = 0.8;
 
 struct StreamFitOptions {
-  double min_start_s = 0.02;           // no start nearer to the stated one is named
-  double max_start_s = 600.0;          // nor one farther from it
-  double min_scale = 0.10;             // nor a scale that is no unit and nearer to 1
+  double min_start_s = 0.02;           // a start nearer to the stated one is not named
+  double max_start_s = 600.0;          // a start farther from it is not looked for
+  double min_scale = 0.10;             // a scale nearer to 1 is not named, unless it is that of a unit
   unsigned causes = kAllStreamCauses;  // that are looked for
   double alpha = 0.0027;               // of the paired blocks, two-sided: three standard errors of many
   bool any_frame = false;              // the frames have nothing in common, and are no cause

@@ -21,7 +21,7 @@ struct JudgedChange {
 // No change first; then the changes that leave least, by squared distances at some instants, each fitted and
 // judged, with every simpler one of the same parts. A block that a change does not answer counts as a
 // constant pose, and as no better than without a change.
-// Of streams whose frames have nothing in common, no change is that of the frame alone.
+// Where frames have nothing in common, a turned frame alone counts as no change.
 std::vector<JudgedChange> search_changes(const StreamPair& pair, const TimeBlocks& blocks,
                                          const std::vector<std::size_t>& mirrored,
                                          const StreamFitOptions& options);

@@ -201,8 +201,8 @@ class SensorChecker {
     if (fit.groups.size() > 1 && !are_two && fit.groups[0].size() == fit.groups[1].size()) {
       checks_.misplaced = true;
       note(planned_.take.calibration,
-           fmt::format("{} see the person {:.2f} m from where {} do: the poses of some of them are wrong; "
-                       "calibrate again",
+           fmt::format("{} see the person {:.2f} m from where {} do, and nothing says which of them are "
+                       "right",
                        names(fit.groups[0]), fit.changes.front().fit.before_m, names(fit.groups[1])));
       return;
     }
@@ -302,7 +302,7 @@ class SensorChecker {
         planned_.take.calibration,
         fmt::format("no two of {} see the person in one place: {:.2f} m apart in the mean, and neither poses "
                     "that were exchanged or passed on, nor other axes, nor another scale explain it; is it "
-                    "the calibration of this take? Calibrate again",
+                    "the calibration of this take?",
                     names(all), fit.before_m));
   }
 
