@@ -162,7 +162,8 @@ TEST(Capture, ASourceThatBreaksIsToldAndTheOthersGoOn) {
   EXPECT_THAT(notices_of(session, 1), Contains(HasSubstr("the cable was pulled")));
 }
 
-TEST(Capture, ASilentSensorIsToldOnceAndWhenItIsBack) {
+// A busy machine may silence a sensor for 0.1 s more than once: each time both are reported.
+TEST(Capture, ASilenceIsReportedOnceAndWhenItEnds) {
   const ScratchFolder folder;
   CaptureOptions options;
   options.silence_s = 0.1;
@@ -171,8 +172,13 @@ TEST(Capture, ASilentSensorIsToldOnceAndWhenItIsBack) {
   const SessionReader session(folder / "session.h5");
   const auto notices = notices_of(session, 0);
   for (const char* stream : {"bodies", "depth"}) {
-    EXPECT_EQ(std::ranges::count(notices, fmt::format("no frame of {} for 0.1 s", stream)), 1);
-    EXPECT_THAT(notices, Contains(fmt::format("frames of {} again", stream)));
+    const std::string begins = fmt::format("no frame of {} for 0.1 s", stream),
+                      ends = fmt::format("frames of {} again", stream);
+    std::vector<std::string> reported;
+    std::ranges::copy_if(notices, std::back_inserter(reported),
+                         [&](const auto& text) { return text == begins || text == ends; });
+    ASSERT_GE(reported.size(), 2) << stream;
+    for (std::size_t k = 0; k < reported.size(); ++k) EXPECT_EQ(reported[k], k % 2 == 0 ? begins : ends) << k;
   }
 }
 
