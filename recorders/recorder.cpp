@@ -7,6 +7,8 @@
 namespace trilat {
 namespace {
 
+constexpr std::uint64_t kEventsBetweenLooks = 240;  // about a second of four sensors with depth and bodies
+
 struct Store {
   SessionWriter& writer;
   const RecordOptions& options;
@@ -39,9 +41,8 @@ RecordSummary record(FrameSource& source, const std::filesystem::path& path, con
   std::uint64_t events = 0;
   while (auto event = source.next()) {
     std::visit(Store{writer, options, summary, event->sensor}, event->data);
-    if (++events % options.flush_every_events != 0) continue;
-    writer.flush();
-    if (options.stop_requested && options.stop_requested()) throw Interrupted();
+    if (++events % kEventsBetweenLooks == 0 && options.stop_requested && options.stop_requested())
+      throw Interrupted();
   }
   writer.finish();
   return summary;

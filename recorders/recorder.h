@@ -12,8 +12,7 @@ namespace trilat {
 
 struct RecordOptions {
   ChunkCompression depth_compression = ChunkCompression::blosc;
-  std::uint64_t flush_every_events = 240;     // about a second of four sensors with depth and bodies
-  std::function<bool()> stop_requested = {};  // asked between events
+  std::function<bool()> stop_requested = {};  // asked now and then
 };
 
 struct RecordSummary {
@@ -22,7 +21,7 @@ struct RecordSummary {
 };
 
 // Stores everything the source delivers in `path` (session.h5) until it ends. Throws Interrupted when asked
-// to stop: the unfinished file then keeps its ".partial" name and what was flushed.
+// to stop, and nothing is left then.
 RecordSummary record(FrameSource& source, const std::filesystem::path& path, const RecordOptions& options);
 
 }  // namespace trilat

@@ -30,7 +30,7 @@ RUN = "run study.json --campaign campaign -o out --threads 1"
 # that a folder is whole; nothing: the output appears at once.
 SCENARIOS = [
     Scenario("record", "record --source synthetic:1 --duration-s 0.7 -o out --json", ""),
-    Scenario("recover", "recover out", "killed=out.partial"),
+    Scenario("recover", "recover out", "killed=out.trilog"),
     Scenario("simulate", "simulate simulation.json -o out", "simulation.json", "campaign.json"),
     Scenario("run", RUN, "study.json campaign", "summary.json"),
     Scenario("run over older", RUN, "study.json campaign older=out", "summary.json"),
@@ -84,7 +84,7 @@ def stock(program, folder):
     must(program, "run other.json --campaign campaign -o older", folder)
     run(program, "record --source synthetic:2 --duration-s 9 -o killed", folder,
         ["timeout", "-s", "KILL", "3"])
-    (folder / "killed.partial").rename(folder / "killed")
+    (folder / "killed.trilog").rename(folder / "killed")
 
 
 def prepare(scenario, stock_folder, folder):

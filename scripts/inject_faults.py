@@ -53,7 +53,7 @@ def counted(lines, start):
 
 
 # What somebody is making, or another run left; the next one removes it.
-UNFINISHED = re.compile(r"items/\.aside\.|.*\.partial$")
+UNFINISHED = re.compile(r"items/\.aside\.|.*\.(partial|trilog)$")
 
 
 class Injector:
@@ -83,7 +83,7 @@ class Injector:
         self.clean[scenario.name] = (out, files_of(scenario, folder / "out"))
         lines = (folder / "trace").read_text(errors="replace").splitlines()
         words = {word for word in re.split(r"[ =]", scenario.command) if word not in ("run", "out")}
-        names = "|".join(re.escape(w) for w in sorted(words | {"out.partial", "script", "fd"}) if "-" not in w)
+        names = "|".join(re.escape(w) for w in sorted(words | {"out.trilog", "script", "fd"}) if "-" not in w)
         return counted(lines, f'"([^"]*/)?({names})[/".]')
 
     def judge(self, scenario, folder, earlier, result, silent):
@@ -158,8 +158,8 @@ class Injector:
         """What is wrong with the same command once more, now that nothing fails."""
         recorded = (folder / "out").exists()
         command, right = scenario.command, (0,)
-        if scenario.name == "record" and (folder / "out.partial").exists() and not recorded:
-            command, right = "recover out", (0, 1, 2)  # nothing may have been flushed yet
+        if scenario.name == "record" and (folder / "out.trilog").exists() and not recorded:
+            command, right = "recover out", (0, 1, 2)  # nothing may have been written yet
         _, clean_files = self.clean[scenario.name]
         code, _, err = run(self.program, command, folder)
         now = files_of(scenario, folder / "out")

@@ -387,10 +387,6 @@ H5File H5File::open(const std::filesystem::path& path) {
   return file;
 }
 
-void H5File::start_swmr() {
-  if (H5Fstart_swmr_write(id_.id()) < 0) refuse(place_, "cannot be written for followers");
-}
-
 void H5File::flush() {
   if (H5Fflush(id_.id(), H5F_SCOPE_GLOBAL) < 0) refuse_output(place_, "cannot be flushed to disk");
 }

@@ -164,7 +164,7 @@ class H5Node {
   std::shared_ptr<bool> rows_lost_;  // of the file: a table that was written could not be closed
 };
 
-// A file opened for one purpose. Files are written in the latest format, so that SWMR writing is possible.
+// A file opened for one purpose. Files are written in the latest format.
 class H5File : public H5Node {
  public:
   static H5File create(const std::filesystem::path& path);
@@ -172,8 +172,6 @@ class H5File : public H5Node {
   // is there.
   static H5File open(const std::filesystem::path& path);
 
-  // From now on nothing new can be created, and a reader may follow.
-  void start_swmr();
   void flush();
   // Flushes and closes; OutputError when not all reached the file. Its tables and groups must be gone.
   void close();

@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kFlush = 64;  // frames between flushes
+constexpr std::uint64_t kBodiesAtOnce = 64;  // frames
 
 // Reports the share done, weighed by frames, and throws when asked to stop.
 class Advance {
@@ -50,45 +50,43 @@ std::uint64_t salvage(std::uint64_t first, std::uint64_t count,
 }
 
 // All frames, `block` together.
-std::uint64_t salvage_all(std::uint64_t frames, std::uint64_t block, SessionWriter& to, Advance& advance,
+std::uint64_t salvage_all(std::uint64_t frames, std::uint64_t block, Advance& advance,
                           const std::function<void(std::uint64_t, std::uint64_t)>& take) {
   std::uint64_t damaged = 0;
   for (std::uint64_t first = 0; first < frames; first += block) {
     const std::uint64_t count = std::min(block, frames - first);
     damaged += salvage(first, count, take);
-    if ((first + count) % kFlush < count) to.flush();
     advance.by(count);
   }
   return damaged;
 }
 
-void copy_depth(const SessionReader& from, std::size_t sensor, ChunkCompression compression,
-                SessionWriter& to, std::uint64_t index) {
+void copy_depth(const SessionReader& from, std::size_t sensor, SessionWriter& to, std::uint64_t index) {
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   const FrameStamp stamp = from.stamps(sensor, FrameStream::depth, index, 1)[0];
   StoredDepthFrame stored = from.stored_depth_frame(sensor, index);
   decode_depth_frame(stored, depth_mm);
-  if (stored.compression == compression)
-    to.add_depth_frame(sensor, {stamp, std::move(stored.chunk), compression});
+  if (stored.compression)
+    to.add_depth_frame(sensor, {stamp, std::move(stored.chunk), *stored.compression});
   else
-    to.add_depth_frame(sensor, encode_depth_frame(stamp, depth_mm, compression));
+    to.add_depth_frame(sensor, encode_depth_frame(stamp, depth_mm, ChunkCompression::blosc));
 }
 
-SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, ChunkCompression compression,
-                           SessionWriter& to, Advance& advance) {
+SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, SessionWriter& to,
+                           Advance& advance) {
   const SensorCounts& counts = from.counts(sensor);
   SensorRecovery recovery{from.header().sensors[sensor].name, counts, counts.torn_rows};
   std::uint64_t bodies = 0;
   recovery.damaged_body_frames =
-      salvage_all(counts.body_frames, kFlush, to, advance, [&](std::uint64_t first, std::uint64_t count) {
+      salvage_all(counts.body_frames, kBodiesAtOnce, advance, [&](std::uint64_t first, std::uint64_t count) {
         for (const BodyFrame& frame : from.body_frames(sensor, first, count)) {
           to.add_body_frame(sensor, frame);
           bodies += frame.bodies.size();
         }
       });
-  recovery.damaged_depth_frames = salvage_all(
-      counts.depth_frames, 1, to, advance,
-      [&](std::uint64_t frame, std::uint64_t) { copy_depth(from, sensor, compression, to, frame); });
+  recovery.damaged_depth_frames =
+      salvage_all(counts.depth_frames, 1, advance,
+                  [&](std::uint64_t frame, std::uint64_t) { copy_depth(from, sensor, to, frame); });
   recovery.damaged_exchanges =
       salvage(0, counts.clock_exchanges, [&](std::uint64_t first, std::uint64_t count) {
         for (const ClockExchange& exchange : from.clock_exchanges(sensor, first, count))
@@ -111,7 +109,6 @@ SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, ChunkC
                               "frames, {} depth frames, {} clock exchanges, {} lists of notices or drops",
                               recovery.damaged_body_frames, recovery.damaged_depth_frames,
                               recovery.damaged_exchanges, recovery.damaged_lists)});
-  to.flush();
   return recovery;
 }
 
@@ -122,7 +119,7 @@ std::vector<SensorRecovery> copy_session(const SessionReader& from, const std::f
   Advance advance(from, progress);
   std::vector<SensorRecovery> recoveries;
   for (std::size_t s = 0; s < from.header().sensors.size(); ++s)
-    recoveries.push_back(copy_sensor(from, s, compression, to, advance));
+    recoveries.push_back(copy_sensor(from, s, to, advance));
   to.finish();
   return recoveries;
 }

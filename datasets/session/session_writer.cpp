@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <vector>
 
 #include "datasets/base/error.h"
@@ -13,15 +14,17 @@
 #include "datasets/base/version.h"
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/session_layout.h"
+#include "datasets/session/session_reader.h"
 
 namespace trilat {
 namespace {
 
 namespace layout = session_layout;
 
-constexpr std::size_t kRowsPerChunk = 32;  // about a second: a chunk is rewritten by few flushes
+constexpr std::size_t kRowsPerChunk = 256;
+constexpr std::uint64_t kRowsAtOnce = 16 * kRowsPerChunk;  // gathered before they are written
 
-// A column of one table that gathers rows and appends them when flushed.
+// A column of one table that gathers rows and writes many at once.
 template <class T>
 struct Gathered {
   H5Table table;
@@ -35,7 +38,7 @@ struct Gathered {
   void add(const Values& values) {
     rows.insert(rows.end(), std::begin(values), std::end(values));
   }
-  void flush() {
+  void write() {
     table.append(std::span<const T>(rows));
     rows.clear();
   }
@@ -49,8 +52,8 @@ void create_columns(Tables& tables, auto&& node) {
 }
 
 template <class Tables>
-void flush_columns(Tables& tables) {
-  Tables::columns(tables, [](const char*, auto& column, auto...) { column.flush(); });
+void write_columns(Tables& tables) {
+  Tables::columns(tables, [](const char*, auto& column, auto...) { column.write(); });
 }
 
 void add_stamp(layout::Stamps<Gathered>& stamps, const FrameStamp& stamp) {
@@ -74,36 +77,20 @@ struct DepthTables {
   layout::Stamps<Gathered> stamps;
 };
 
-// What has been added so far, in the order of layout::kFlushed.
-struct AddedRows {
-  std::int64_t body_frames = 0, bodies = 0, depth_frames = 0, clock_exchanges = 0, drop_counts = 0,
-               notices = 0;
-  bool operator==(const AddedRows&) const = default;
-};
-
 struct WrittenTables {
   layout::BodyFrames<Gathered> frames;
   layout::Bodies<Gathered> bodies;
   std::optional<DepthTables> depth;
   layout::Lists<Gathered> lists;
   layout::Notices<Gathered> notices;
-  Gathered<std::int64_t> flushed;
-  AddedRows added{}, flushed_rows{};
+  std::uint64_t body_frames = 0, stored_notices = 0;
 
-  // Bodies first: a frame that is there has its bodies.
-  void flush() {
-    flush_columns(bodies);
-    flush_columns(frames);
-    if (depth) flush_columns(depth->stamps);
-    flush_columns(lists);
-    flush_columns(notices);
-  }
-  void say_what_is_flushed() {
-    if (added == flushed_rows) return;
-    const AddedRows& a = added;
-    flushed.rows = {a.body_frames, a.bodies, a.depth_frames, a.clock_exchanges, a.drop_counts, a.notices};
-    flushed.flush();
-    flushed_rows = added;
+  void write() {
+    write_columns(bodies);
+    write_columns(frames);
+    if (depth) write_columns(depth->stamps);
+    write_columns(lists);
+    write_columns(notices);
   }
 };
 
@@ -131,7 +118,9 @@ DepthTables depth_tables(H5Node node, ChunkCompression compression) {
   return tables;
 }
 
-void check_header(const SessionHeader& header, const std::string& place) {
+}  // namespace
+
+void check_session_header(const SessionHeader& header, const std::string& place) {
   std::set<std::string> names;
   for (const SensorDescription& sensor : header.sensors) {
     if (sensor.name.empty() || sensor.name.find('/') != std::string::npos || sensor.name.size() > 64)
@@ -144,8 +133,6 @@ void check_header(const SessionHeader& header, const std::string& place) {
     throw InputError(place, "a session has 1 to " + std::to_string(kMaxSessionSensors) + " sensors");
 }
 
-}  // namespace
-
 struct SessionWriter::State {
   std::filesystem::path path;
   H5File file;
@@ -156,7 +143,7 @@ struct SessionWriter::State {
 SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
                              ChunkCompression depth_compression)
     : state_(std::make_unique<State>()) {
-  check_header(header, path.string());
+  check_session_header(header, path.string());
   state_->path = path;
   state_->depth_compression = depth_compression;
   state_->file = H5File::create(partial_name(path));
@@ -179,15 +166,19 @@ SessionWriter::SessionWriter(const std::filesystem::path& path, const SessionHea
     if (sensor.has_depth) tables.depth = depth_tables(node.create_group("depth"), depth_compression);
     create_columns(tables.lists, node);
     create_columns(tables.notices, node.create_group("notices"));
-    tables.flushed.create(node, layout::kFlushed, {layout::kFlushedNumbers});
   }
-  file.start_swmr();
 }
 
-SessionWriter::~SessionWriter() = default;
+SessionWriter::~SessionWriter() {
+  if (!state_) return;
+  const std::filesystem::path unfinished = partial_name(state_->path);
+  state_.reset();
+  std::error_code ignored;
+  std::filesystem::remove(unfinished, ignored);
+}
 
-// What fails here must leave the file as the last flush left it, and a library that can neither write nor
-// close in peace must not be asked to: the file is cut off, and its handles are kept for ever.
+// A library that can neither write nor close in peace must not be asked to: the file is cut off, and its
+// handles are kept for ever.
 template <class Work>
 void SessionWriter::guarded(const Work& work) {
   static std::vector<std::unique_ptr<State>>* abandoned = new std::vector<std::unique_ptr<State>>;
@@ -198,6 +189,8 @@ void SessionWriter::guarded(const Work& work) {
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
     state_->file.abandon();
+    std::error_code ignored;
+    std::filesystem::remove(partial_name(state_->path), ignored);
     abandoned->push_back(std::move(state_));
     throw;
   }
@@ -207,66 +200,53 @@ void SessionWriter::add_body_frame(std::size_t sensor, const BodyFrame& frame) {
   TRILAT_CHECK(sensor < state_->sensors.size() && frame.bodies.size() <= kMaxBodies,
                "a body frame belongs to a sensor and has at most six bodies");
   WrittenTables& tables = state_->sensors[sensor];
-  for (const Body& body : frame.bodies)
-    add_body(tables.bodies, static_cast<std::uint64_t>(tables.added.body_frames), body);
+  for (const Body& body : frame.bodies) add_body(tables.bodies, tables.body_frames, body);
   add_stamp(tables.frames.stamps, frame.stamp);
   tables.frames.floor_plane.add(frame.floor_plane);
   tables.frames.body_count.rows.push_back(static_cast<std::uint8_t>(frame.bodies.size()));
-  ++tables.added.body_frames;
-  tables.added.bodies += static_cast<std::int64_t>(frame.bodies.size());
+  if (++tables.body_frames % kRowsAtOnce == 0) guarded([&] { tables.write(); });
 }
 
 void SessionWriter::add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame) {
   TRILAT_CHECK(sensor < state_->sensors.size() && state_->sensors[sensor].depth,
                "a depth frame belongs to a sensor that has depth");
-  TRILAT_CHECK(frame.compression == state_->depth_compression,
-               "a session has one compression for all its depth frames");
-  WrittenTables& tables = state_->sensors[sensor];
-  guarded([&] { tables.depth->frames.append_filtered_row(frame.chunk); });
-  add_stamp(tables.depth->stamps, frame.stamp);
-  ++tables.added.depth_frames;
+  if (frame.compression != state_->depth_compression) {
+    std::vector<std::uint16_t> depth_mm(kDepthPixels);
+    decode_depth_frame({"a depth frame", frame.compression, frame.chunk}, depth_mm);
+    return add_depth_frame(sensor, encode_depth_frame(frame.stamp, depth_mm, state_->depth_compression));
+  }
+  DepthTables& depth = *state_->sensors[sensor].depth;
+  add_stamp(depth.stamps, frame.stamp);
+  guarded([&] {
+    depth.frames.append_filtered_row(frame.chunk);
+    if (depth.stamps.sequence.rows.size() >= kRowsAtOnce) write_columns(depth.stamps);
+  });
 }
 
 void SessionWriter::add_clock_exchange(std::size_t sensor, const ClockExchange& e) {
-  WrittenTables& tables = state_->sensors.at(sensor);
-  tables.lists.clock_exchanges.add(std::array{e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
-  ++tables.added.clock_exchanges;
+  state_->sensors.at(sensor).lists.clock_exchanges.add(std::array{e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns});
 }
 
 void SessionWriter::add_drop_count(std::size_t sensor, const DropCount& count) {
-  WrittenTables& tables = state_->sensors.at(sensor);
-  tables.lists.drop_counts.add(std::array{count.host_ns, count.at_source, count.in_queue});
-  ++tables.added.drop_counts;
+  state_->sensors.at(sensor).lists.drop_counts.add(
+      std::array{count.host_ns, count.at_source, count.in_queue});
 }
 
 void SessionWriter::add_notice(std::size_t sensor, const SensorNotice& notice) {
   WrittenTables& tables = state_->sensors.at(sensor);
-  const auto stored = static_cast<std::uint64_t>(tables.added.notices);
-  if (stored >= kMaxSessionNotices) return;
-  const bool is_last = stored + 1 == kMaxSessionNotices;
+  if (tables.stored_notices >= kMaxSessionNotices) return;
+  const bool is_last = ++tables.stored_notices == kMaxSessionNotices;
   const std::string_view shown =
       is_last ? "there were too many notices; no more are stored" : std::string_view(notice.text);
   std::vector<std::uint8_t> text(shown.begin(), shown.end());
   text.resize(layout::kNoticeBytes, 0);
   tables.notices.host_ns.rows.push_back(notice.host_ns);
   tables.notices.text.add(text);
-  ++tables.added.notices;
 }
 
-void SessionWriter::flush() {
-  guarded([&] {
-    for (WrittenTables& sensor : state_->sensors) sensor.flush();
-    state_->file.flush();
-    for (WrittenTables& sensor : state_->sensors) sensor.say_what_is_flushed();
-    state_->file.flush();
-  });
-}
-
-// `complete` is written before the library takes its mark of an open file away: a process that dies in
-// between leaves a file that is opened as that of a killed writer, with all its frames.
 void SessionWriter::finish() {
-  flush();
   guarded([&] {
+    for (WrittenTables& sensor : state_->sensors) sensor.write();
     state_->file.set_integer("complete", 1);
     state_->sensors.clear();
     state_->file.close();

@@ -3,16 +3,19 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "datasets/hdf5/chunk_codec.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {
 
-// Writes session.h5 (format 1), append-only. The file is `path`.partial until finish() renames it;
-// all that was flushed is readable if the process dies (see docs/how-to/record.md: a killed file is opened as
-// an SWMR reader, never with h5clear). One thread at a time. Errors of the disk are OutputError and leave
-// what was flushed; after one, nothing more is written.
+// InputError with `place` for a header that no session may have: no sensor, too many, two of one name.
+void check_session_header(const SessionHeader& header, const std::string& place);
+
+// Writes session.h5 (format 1). The file is `path`.partial until finish() renames it, and is removed where
+// that is not called: what must outlive a kill is written as an event log first. One thread at a time. Errors
+// of the disk are OutputError; after one, nothing more is written.
 class SessionWriter {
  public:
   SessionWriter(const std::filesystem::path& path, const SessionHeader& header,
@@ -22,13 +25,12 @@ class SessionWriter {
   SessionWriter& operator=(const SessionWriter&) = delete;
 
   void add_body_frame(std::size_t sensor, const BodyFrame& frame);
+  // Of another compression than the session's it is compressed anew; InputError when it is damaged then.
   void add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame);
   void add_clock_exchange(std::size_t sensor, const ClockExchange& exchange);
   void add_drop_count(std::size_t sensor, const DropCount& count);
   // Texts are cut at 240 bytes.
   void add_notice(std::size_t sensor, const SensorNotice& notice);
-  // Everything added so far survives a kill from here on. Call once a second.
-  void flush();
   // Marks the file complete and gives it its final name.
   void finish();
 

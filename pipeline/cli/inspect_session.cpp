@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `trilat info`, `trilat verify` and `trilat recover`.
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <set>
@@ -16,16 +17,18 @@
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
+#include "datasets/session/write_session.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/inspect_mocap.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
+#include "recorders/capture.h"
 
 namespace trilat {
 namespace {
 
 struct RecoverArguments {
-  std::filesystem::path session;
+  std::vector<std::filesystem::path> left;  // by recorders: logs, or one unfinished session
   std::filesystem::path output;
   bool force = false;  // may replace what others wrote
   bool json = false;
@@ -119,11 +122,19 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
   return json;
 }
 
-// The file under its name, or, while it is recorded or after its recorder was killed, under the unfinished
-// one.
+// The file under its name; where there is none, the log of a recording that runs or was killed, or the
+// unfinished session of a recorder of version 0.4.0.
 std::filesystem::path found_session(const std::filesystem::path& path) {
-  const bool unfinished = !std::filesystem::exists(path) && std::filesystem::exists(partial_name(path));
-  return unfinished ? partial_name(path) : path;
+  if (std::filesystem::exists(path)) return path;
+  for (const std::filesystem::path& other : {log_name(path), partial_name(path)})
+    if (std::filesystem::exists(other)) return other;
+  return path;
+}
+
+bool is_log(const std::filesystem::path& path) {
+  std::string begin(6, '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == "TRILOG";
 }
 
 // By its name, or by what every HDF5 file begins with.
@@ -135,7 +146,57 @@ bool may_be_session(const std::filesystem::path& path) {
   return begin == "\x89HDF";
 }
 
+// What a log holds so far.
+int info_of_log(const std::filesystem::path& path, bool json) {
+  const bool runs = is_being_written(path);
+  std::vector<std::array<std::uint64_t, 3>> counts(
+      kMaxSessionSensors);  // body frames, depth frames, clock exchanges
+  std::vector<DropCount> drops(kMaxSessionSensors);
+  const LogSummary log = read_event_log(path, [&](std::size_t sensor, LogEvent&& event) {
+    if (const auto* drop = std::get_if<DropCount>(&event)) drops[sensor] = *drop;
+    if (event.index() < 3) ++counts[sensor][event.index()];
+  });
+  Json sensors = Json::array();
+  for (std::size_t s = 0; s < log.head.session.sensors.size(); ++s)
+    sensors.push_back({{"name", log.head.session.sensors[s].name},
+                       {"body_frames", counts[s][0]},
+                       {"depth_frames", counts[s][1]},
+                       {"clock_exchanges", counts[s][2]},
+                       {"lost_at_source", drops[s].at_source},
+                       {"lost_in_queue", drops[s].in_queue}});
+  if (json) {
+    fmt::print("{}\n", json_text(Json{{"format", "trilat.log"},
+                                      {"version", 1},
+                                      {"recording", runs},
+                                      {"finished", log.finished},
+                                      {"bytes", log.end},
+                                      {"cut_bytes", log.cut_bytes},
+                                      {"damaged_places", log.gap_count},
+                                      {"started_utc", log.head.session.started_utc},
+                                      {"sensors", sensors}},
+                                 2));
+    return kDone;
+  }
+  fmt::print("{}: log of a recording, {}, {:.1f} MB\n", path.string(),
+             runs           ? "which runs"
+             : log.finished ? "ended in order"
+                            : "NOT ended by its recorder",
+             1e-6 * static_cast<double>(log.end));
+  if (log.gap_count > 0) fmt::print("damaged at {} places\n", log.gap_count);
+  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>15} {:>14}\n", "sensor", "body frames", "depth frames",
+             "exchanges", "lost at source", "lost in queue");
+  for (const Json& s : sensors)
+    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>15} {:>14}\n", s["name"].get<std::string>(),
+               s["body_frames"].get<std::uint64_t>(), s["depth_frames"].get<std::uint64_t>(),
+               s["clock_exchanges"].get<std::uint64_t>(), s["lost_at_source"].get<std::int64_t>(),
+               s["lost_in_queue"].get<std::int64_t>());
+  if (!runs) fmt::print("`trilat recover {}` makes a session of it\n", path.string());
+  return kDone;
+}
+
 int info(const InfoArguments& arguments) {
+  if (const auto found = found_session(arguments.file); is_log(found))
+    return info_of_log(found, arguments.json);
   if (!may_be_session(arguments.file)) return info_of_mocap(arguments.file, arguments.json);
   const SessionReader session(found_session(arguments.file));
   Json sensors = Json::array();
@@ -177,6 +238,10 @@ std::string kind_of(const Finding& finding) {
 }
 
 int verify(const VerifyArguments& arguments) {
+  if (const auto log = found_session(arguments.session); is_log(log))
+    throw InputError(log.string(),
+                     "is the log of a recording that did not become a session yet; `trilat recover " +
+                         log.string() + "` makes one");
   const SessionReader session(found_session(arguments.session));
   std::vector<Finding> findings;
   {
@@ -216,10 +281,11 @@ int verify(const VerifyArguments& arguments) {
   return errors == 0 ? kDone : kItemsFailed;
 }
 
-// Default path of the saved session: the name without .partial, where there is one.
-std::filesystem::path default_output(const std::filesystem::path& damaged) {
-  if (damaged.extension() == ".partial") return damaged.parent_path() / damaged.stem();
-  return damaged.string() + ".recovered.h5";
+// Default path of the saved session: the name without .partial or .trilog, where there is one.
+std::filesystem::path default_output(const std::filesystem::path& left) {
+  if (left.extension() == ".partial" || left.extension() == ".trilog")
+    return left.parent_path() / left.stem();
+  return left.string() + ".recovered.h5";
 }
 
 // A recording that was finished, but for its name.
@@ -271,8 +337,8 @@ Json json_of(const std::vector<SensorRecovery>& recoveries, const std::filesyste
       {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
 }
 
-int recover(const RecoverArguments& arguments) {
-  const std::filesystem::path damaged = found_session(arguments.session);
+// A session of version 0.4.0 or older whose recorder was killed.
+int recover_session_file(const std::filesystem::path& damaged, const RecoverArguments& arguments) {
   const std::filesystem::path output = arguments.output.empty() ? default_output(damaged) : arguments.output;
   const bool complete = SessionReader(damaged).complete();
   if (!complete || damaged.extension() == ".partial")
@@ -294,6 +360,87 @@ int recover(const RecoverArguments& arguments) {
   fmt::print(stderr, "failed: {} has rows that are damaged or cannot be read; they were left out\n",
              damaged.string());
   return kItemsFailed;
+}
+
+std::uint64_t damaged_bytes(const LogsWritten& written) {
+  std::uint64_t bytes = 0;
+  for (const LogSummary& log : written.logs)
+    for (const LogGap& gap : log.gaps) bytes += gap.bytes;
+  return bytes;
+}
+
+void print_recovery(const LogsWritten& written, const std::vector<std::filesystem::path>& logs,
+                    const std::filesystem::path& output) {
+  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>15} {:>14} {:>9}\n", "sensor", "body frames", "depth frames",
+             "exchanges", "lost at source", "lost in queue", "left out");
+  for (const SensorWritten& s : written.sensors)
+    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>15} {:>14} {:>9}\n", s.name, s.body_frames, s.depth_frames,
+               s.clock_exchanges, s.drops.at_source, s.drops.in_queue, s.left_out);
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const LogSummary& log = written.logs[i];
+    if (log.gap_count > 0)
+      fmt::print("{}: damaged at {} places, the first behind byte {}; what they held is left out\n",
+                 logs[i].string(), log.gap_count, log.gaps.front().offset);
+    if (!log.finished)
+      fmt::print("{}: was not ended by its recorder; at most its last second is lost\n", logs[i].string());
+  }
+  fmt::print("{}: all that is whole of {} log{}, which may be removed now\n", output.string(), logs.size(),
+             logs.size() == 1 ? "" : "s");
+}
+
+Json json_of(const LogsWritten& written, const std::vector<std::filesystem::path>& logs,
+             const std::filesystem::path& output) {
+  Json sensors = Json::array(), from = Json::array();
+  for (const SensorWritten& s : written.sensors)
+    sensors.push_back({{"name", s.name},
+                       {"body_frames", s.body_frames},
+                       {"depth_frames", s.depth_frames},
+                       {"clock_exchanges", s.clock_exchanges},
+                       {"lost_at_source", s.drops.at_source},
+                       {"lost_in_queue", s.drops.in_queue},
+                       {"left_out", s.left_out}});
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    from.push_back({{"log", logs[i].string()},
+                    {"finished", written.logs[i].finished},
+                    {"damaged_places", written.logs[i].gap_count}});
+  return {{"session", output.string()},
+          {"from", from},
+          {"damaged_bytes", damaged_bytes(written)},
+          {"sensors", sensors}};
+}
+
+int recover_logs(const std::vector<std::filesystem::path>& logs, const RecoverArguments& arguments) {
+  const std::filesystem::path output =
+      arguments.output.empty() ? default_output(logs.front()) : arguments.output;
+  check_output_file({output, logs, arguments.force});
+  LogsWritten written;
+  {
+    Progress progress("recovering " + output.filename().string());
+    written = write_session(logs, output, [&](double share) {
+      progress.set(share);
+      return !stop_requested();
+    });
+  }
+  if (arguments.json)
+    fmt::print("{}\n", json_text(json_of(written, logs, output), 2));
+  else
+    print_recovery(written, logs, output);
+  const bool damaged =
+      damaged_bytes(written) > 0 ||
+      std::ranges::any_of(written.sensors, [](const SensorWritten& s) { return s.left_out > 0; });
+  if (!damaged) return kDone;
+  fmt::print(stderr, "failed: parts of what was recorded are damaged; they were left out\n");
+  return kItemsFailed;
+}
+
+int recover(const RecoverArguments& arguments) {
+  std::vector<std::filesystem::path> left;
+  for (const std::filesystem::path& path : arguments.left) left.push_back(found_session(path));
+  if (std::ranges::all_of(left, is_log)) return recover_logs(left, arguments);
+  if (left.size() > 1)
+    throw InputError(std::ranges::find_if_not(left, is_log)->string(),
+                     "is no log; several logs are joined, or one session is recovered");
+  return recover_session_file(left.front(), arguments);
 }
 
 }  // namespace
@@ -318,8 +465,12 @@ void add_verify(CLI::App& app, int& code) {
 void add_recover(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<RecoverArguments>(
       app, code, "recover", "save what a killed recorder left, into a new session", recover);
-  verb.add_option("session", a.session, "session.h5, or session.h5.partial")->required();
-  verb.add_option("-o,--output", a.output, "the new session; by default the name without .partial");
+  verb.add_option("log", a.left,
+                  "session.h5.trilog, or several that were recorded apart; session.h5 alone stands for its "
+                  "log. Of version "
+                  "0.4.0 session.h5.partial")
+      ->required();
+  verb.add_option("-o,--output", a.output, "the new session; by default the name without .trilog");
   add_force(verb, a.force);
   add_json(verb, a.json);
 }

@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: MIT
 // `trilat record`.
 #include <array>
-#include <cerrno>
 #include <chrono>
-#include <condition_variable>
 #include <cstdio>
-#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -25,6 +20,7 @@
 #include "datasets/base/files.h"
 #include "datasets/calibration/calibration.h"
 #include "pipeline/cli/check_output.h"
+#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/simulate_take.h"
@@ -45,10 +41,6 @@ struct RecordArguments {
   bool plain_text = false;
   std::filesystem::path output;
   double duration_s = 0.0;
-  std::string compression = "blosc";
-  int queue_mb = 512;
-  int reserve_mb = 256;
-  int workers = 2;
   bool preview = false;
   std::filesystem::path calibration;
   std::filesystem::path truth;
@@ -57,104 +49,56 @@ struct RecordArguments {
 };
 
 // Status of a running recording on stderr: a line over itself on a terminal, now and then elsewhere, with
-// notices above it. A thread of its own writes it, so that a terminal that takes nothing does not hold up the
-// recording; what cannot be written is left out. Any thread may call it.
+// notices above it. A terminal that takes nothing holds up this thread, not the recording.
 class LiveDisplay {
  public:
-  LiveDisplay() : shared_(std::make_shared<Shared>()) {
-    std::thread([shared = shared_] { shared->run(); }).detach();
-  }
-  // Waits a moment for what is still to be shown.
-  ~LiveDisplay() {
-    std::unique_lock lock(shared_->mutex);
-    shared_->ended = true;
-    shared_->changed.notify_all();
-    shared_->changed.wait_for(lock, std::chrono::seconds(1), [&] { return shared_->done; });
-  }
-  LiveDisplay(const LiveDisplay&) = delete;
-  LiveDisplay& operator=(const LiveDisplay&) = delete;
-
   // `picture` is drawn over the whole screen first.
-  void show(const CaptureStatus& status, std::string picture = {});
+  void show(const CaptureStatus& status, const std::string& picture = {});
   void say(const std::string& text);
 
  private:
-  // Outlives the display when its thread is stuck in a terminal.
-  struct Shared {
-    std::mutex mutex;
-    std::condition_variable changed;
-    std::deque<std::string> texts, recent;  // recent: what stays below a picture
-    std::string picture, line;
-    bool line_changed = false, ended = false, done = false;
-    const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    double next_s = 0.0;
-
-    std::string below_picture() const {
-      std::string text;
-      for (const std::string& one : recent) text += picture.empty() ? "" : one + "\n";
-      return text;
-    }
-
-    void run() {
-      std::unique_lock lock(mutex);
-      for (bool last = false; !last; lock.lock()) {
-        changed.wait(lock, [&] { return !texts.empty() || line_changed || ended; });
-        std::string out;
-        if (terminal) out += "\r\033[K";
-        for (const std::string& text : texts) out += text + "\n";
-        texts.clear();
-        if (line_changed && !ended) out += picture + below_picture() + line + (terminal ? "" : "\n");
-        line_changed = false;
-        last = ended;
-        lock.unlock();
-        std::fputs(out.c_str(), stderr);  // a failure here cannot be reported
-        std::fflush(stderr);
-      }
-      done = true;
-      changed.notify_all();
-    }
-  };
-  std::shared_ptr<Shared> shared_;
+  std::mutex mutex_;  // agents are refused by other threads
+  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  std::deque<std::string> below_picture_;
+  double next_s_ = 0.0;
 };
 
 // The line itself.
 std::string status_line(const CaptureStatus& status) {
   const double written =
-      status.elapsed_s > 0.0 ? static_cast<double>(status.file_bytes) / status.elapsed_s : 0.0;
+      status.elapsed_s > 0.0 ? static_cast<double>(status.log_bytes) / status.elapsed_s : 0.0;
   std::string line = fmt::format("{:4.0f} s ", status.elapsed_s);
   std::int64_t lost = 0;
   for (const SensorStatus& s : status.sensors) {
     line += fmt::format(" {} {:.1f} Hz", s.name, s.rate_hz);
     lost += s.lost_at_source + s.lost_in_queue;
   }
-  line += fmt::format(
-      "  lost {}  queue {:.0f} %  {:.1f} MB/s  {:.1f} GB free", lost,
-      100.0 * static_cast<double>(status.queue_bytes) / static_cast<double>(status.queue_limit_bytes),
-      1e-6 * written, 1e-9 * static_cast<double>(status.disk_free_bytes));
-  if (written > 0.0)
-    line += fmt::format(" ({:.0f} min)", static_cast<double>(status.disk_free_bytes) / written / 60.0);
+  line += fmt::format("  lost {}  {:.0f} MB wait  {:.1f} MB/s  {:.1f} GB free", lost,
+                      1e-6 * static_cast<double>(status.waiting_bytes), 1e-6 * written,
+                      1e-9 * static_cast<double>(status.disk_free_bytes));
+  if (written > 0.0)  // the session needs as much again
+    line += fmt::format(" ({:.0f} min)", 0.5 * static_cast<double>(status.disk_free_bytes) / written / 60.0);
   return line;
 }
 
-void LiveDisplay::show(const CaptureStatus& status, std::string picture) {
+void LiveDisplay::show(const CaptureStatus& status, const std::string& picture) {
   constexpr double kLinePeriod_s = 10.0;  // where lines stay
-  const std::lock_guard lock(shared_->mutex);
-  if (!shared_->terminal && status.elapsed_s < shared_->next_s) return;
-  shared_->next_s = status.elapsed_s + kLinePeriod_s;
-  shared_->picture = std::move(picture);
-  shared_->line = status_line(status);
-  shared_->line_changed = true;
-  shared_->changed.notify_all();
+  const std::lock_guard lock(mutex_);
+  if (!terminal_ && status.elapsed_s < next_s_) return;
+  next_s_ = status.elapsed_s + kLinePeriod_s;
+  std::string out = picture;
+  if (!picture.empty())
+    for (const std::string& text : below_picture_) out += text + "\n";
+  out += (terminal_ ? "\r\033[K" : "") + status_line(status) + (terminal_ ? "" : "\n");
+  std::fputs(out.c_str(), stderr);  // a failure here cannot be reported
 }
 
 void LiveDisplay::say(const std::string& text) {
-  constexpr std::size_t kMostTexts = 200;  // while the terminal takes nothing
-  const std::lock_guard lock(shared_->mutex);
-  if (shared_->texts.size() < kMostTexts) shared_->texts.push_back(text);
   constexpr std::size_t kMostBelow = 4;
-  shared_->recent.push_back(text);
-  if (shared_->recent.size() > kMostBelow) shared_->recent.pop_front();
-  shared_->changed.notify_all();
+  const std::lock_guard lock(mutex_);
+  below_picture_.push_back(text);
+  if (below_picture_.size() > kMostBelow) below_picture_.pop_front();
+  std::fputs(((terminal_ ? "\r\033[K" : "") + text + "\n").c_str(), stderr);
 }
 
 constexpr double kDefaultDuration_s = 60.0;
@@ -205,48 +149,6 @@ void write_campaign_of(FrameSource& source, const std::filesystem::path& session
   write_campaign(folder, {"recorded", true, {take}, folder});
 }
 
-// Holds the name of an output that takes long to come, so that no other process takes it meanwhile: the file
-// under its unfinished name, empty until somebody writes it. An empty one is removed in the end. InputError
-// where that name exists.
-class OutputClaim {
- public:
-  explicit OutputClaim(const std::filesystem::path& output) : partial_(partial_name(output)) {
-    check_output_file(output);
-    const int file = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0) {
-      ::close(file);
-      return;
-    }
-    if (errno != EEXIST)
-      throw OutputError(partial_.string(), std::string("cannot be created: ") + std::strerror(errno));
-    throw InputError(partial_.string(), has_no_bytes()
-                                            ? "exists and is empty: another recorder waits with this name, "
-                                              "or was killed while it waited; then remove it"
-                                            : "exists; another recorder writes it, or was killed: then "
-                                              "`trilat recover` it, or take another name");
-  }
-  ~OutputClaim() {
-    std::error_code ignored;
-    if (has_no_bytes()) std::filesystem::remove(partial_, ignored);
-  }
-  OutputClaim(const OutputClaim&) = delete;
-  OutputClaim& operator=(const OutputClaim&) = delete;
-
- private:
-  bool has_no_bytes() const {
-    std::error_code error;
-    return std::filesystem::file_size(partial_, error) == 0 && !error;
-  }
-
-  std::filesystem::path partial_;
-};
-
-ChunkCompression compression_named(const std::string& name) {
-  return name == "deflate" ? ChunkCompression::deflate
-         : name == "none"  ? ChunkCompression::none
-                           : ChunkCompression::blosc;
-}
-
 // Both clocks at once, so that somebody can tell later when the host clock's times were.
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
@@ -255,7 +157,7 @@ std::string utc_now() {
 }
 
 const char* name_of(CaptureEnd end) {
-  constexpr std::array kNames{"source_ended", "stop_requested", "duration_over", "disk_full", "disk_failed"};
+  constexpr std::array kNames{"source_ended", "stop_requested", "duration_over", "disk_full"};
   return kNames.at(static_cast<std::size_t>(end));
 }
 
@@ -270,14 +172,15 @@ Json json_of(const CaptureSummary& summary, const std::filesystem::path& file) {
   return {{"session", file.string()},
           {"end", name_of(summary.end)},
           {"elapsed_s", summary.last.elapsed_s},
-          {"file_bytes", summary.last.file_bytes},
+          {"file_bytes", summary.session_bytes},
+          {"log_left", summary.log_left.empty() ? Json() : Json(log_name(file).string())},
           {"source_failed", summary.source_failed},
           {"sensors", sensors}};
 }
 
 void print_summary(const CaptureSummary& summary, const std::filesystem::path& file) {
   fmt::print("{}: {:.1f} s, {:.1f} MB\n", file.string(), summary.last.elapsed_s,
-             1e-6 * static_cast<double>(summary.last.file_bytes));
+             1e-6 * static_cast<double>(summary.session_bytes));
   fmt::print("{:<10} {:>12} {:>13} {:>15} {:>14}\n", "sensor", "body frames", "depth frames",
              "lost at source", "lost in queue");
   for (const SensorStatus& s : summary.last.sensors)
@@ -292,7 +195,6 @@ std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDis
   options.address = parse_address(arguments.listen);
   if (!arguments.keys.empty()) options.keys = read_tls_keys(arguments.keys);
   options.allow_plain_text = arguments.plain_text;
-  options.compression = compression_named(arguments.compression);
   options.on_refusal = [&display](const std::string& refusal) { display.say(refusal); };
   auto source = std::make_unique<NetworkSource>(options);
   display.say(fmt::format("listening on port {}; waiting for {} agent{}", source->port(), arguments.agents,
@@ -303,14 +205,19 @@ std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDis
   return source;
 }
 
-void refuse_full_disk(const std::filesystem::path& output, int reserve_mb) {
+// For how long there is room; OutputError where there is none.
+std::string room_for(const std::filesystem::path& output) {
+  constexpr double kFourKinects_MB_min = 1300.0;  // compressed
   const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
-  const auto free_mb = static_cast<std::int64_t>(std::filesystem::space(folder).available >> 20);
-  if (free_mb < reserve_mb)
-    throw OutputError(
-        folder.string(),
-        fmt::format("has only {} MB left, and --reserve-mb is {}; four Kinects write some 1300 MB a minute",
-                    free_mb, reserve_mb));
+  const std::uint64_t free = std::filesystem::space(folder).available;
+  if (free < CaptureOptions::kDiskReserve_bytes)
+    throw OutputError(folder.string(),
+                      fmt::format("has only {} MB left; a recording needs {} MB and more, and four Kinects "
+                                  "write {:.0f} MB a minute, twice while the session is made of the log",
+                                  free >> 20, CaptureOptions::kDiskReserve_bytes >> 20, kFourKinects_MB_min));
+  return fmt::format(
+      "{:.1f} GB free, of which log and session share half each: {:.0f} minutes of four Kinects",
+      1e-9 * static_cast<double>(free), 0.5e-6 * static_cast<double>(free) / kFourKinects_MB_min);
 }
 
 // Mark of the truth of this session, or of a recording that never began.
@@ -329,11 +236,15 @@ int record_session(const RecordArguments& arguments) {
                      "is for --preview, which draws the person whom all sensors see together");
   const Calibration calibration =
       arguments.calibration.empty() ? Calibration{} : read_calibration(arguments.calibration);
-  refuse_full_disk(arguments.output, arguments.reserve_mb);
+  const std::string room = room_for(arguments.output);
   if (!arguments.truth.empty())
     check_output_folder({arguments.truth, {}, arguments.force}, truth_mark(arguments));
-  const OutputClaim claim(arguments.output);
   check_output_file({arguments.output, {}, arguments.force});
+  if (const std::filesystem::path log = log_name(arguments.output); std::filesystem::exists(log))
+    throw InputError(log.string(), is_being_written(log)
+                                       ? "is being written by another recorder; take another name"
+                                       : "exists, of a recorder that was killed: `trilat recover " +
+                                             log.string() + "`, or take another name");
   if (!arguments.truth.empty()) {
     write_truth(arguments.sources, arguments.truth, arguments.duration_s);
     mark_output(arguments.truth, truth_mark(arguments));
@@ -341,6 +252,7 @@ int record_session(const RecordArguments& arguments) {
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
   LiveDisplay display;
+  display.say(room);
   if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, display));
   if (!arguments.truth.empty()) write_campaign_of(*sources.front(), arguments.output, arguments.truth);
   std::optional<SkeletonPreview> preview;
@@ -350,32 +262,32 @@ int record_session(const RecordArguments& arguments) {
     preview.emplace(sources, calibration, arguments.calibration.string());
   CaptureOptions options;
   options.started_utc = utc_now();
-  options.depth_compression = compression_named(arguments.compression);
-  options.queue_bytes = static_cast<std::size_t>(arguments.queue_mb) << 20;
-  options.workers = arguments.workers;
-  options.reserve_bytes = static_cast<std::uint64_t>(arguments.reserve_mb) << 20;
   options.duration_s = arguments.duration_s;
   options.stop_requested = stop_requested;
-  options.on_notice = [&](const std::string& sensor, const std::string& text) {
-    display.say(sensor + ": " + text);
-  };
+  options.on_notice = [&](const std::string& text) { display.say(text); };
   options.on_status = [&](const CaptureStatus& status) {
+    if (preview)
+      for (const SensorStatus& sensor : status.sensors)
+        if (sensor.newest_bodies) preview->see(sensor.name, *sensor.newest_bodies);
     display.show(status, preview ? preview->picture() : "");
   };
-  if (preview)
-    options.on_bodies = [&](const std::string& sensor, const BodyFrame& f) { preview->see(sensor, f); };
+  std::optional<Progress> progress;
+  options.on_writing = [&](double share) {
+    if (!progress) progress.emplace("writing and verifying " + arguments.output.filename().string());
+    progress->set(share);
+    return true;
+  };
   const CaptureSummary summary = capture(sources, arguments.output, options);
-
-  if (summary.end == CaptureEnd::disk_failed)
-    throw OutputError(partial_name(arguments.output).string(),
-                      "could not be written to its end (" + summary.problem +
-                          "). What was flushed is in it: `trilat recover " +
-                          partial_name(arguments.output).string() + "` makes it whole");
+  progress.reset();
   if (arguments.json)
     fmt::print("{}\n", json_text(json_of(summary, arguments.output), 2));
   else
     print_summary(summary, arguments.output);
-  const bool whole = !summary.lost_frames() && !summary.source_failed && summary.end != CaptureEnd::disk_full;
+  if (!summary.log_left.empty())
+    fmt::print(stderr, "failed: {}; the log stays for a closer look: {}\n", summary.log_left,
+               log_name(arguments.output).string());
+  const bool whole = !summary.lost_frames() && !summary.source_failed &&
+                     summary.end != CaptureEnd::disk_full && summary.log_left.empty();
   return whole ? kDone : kItemsFailed;
 }
 
@@ -402,19 +314,9 @@ void add_record(CLI::App& app, int& code) {
   verb.add_option("--duration-s", a.duration_s, "ends after so long; 0: when somebody stops it")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  verb.add_option("--compression", a.compression,
-                  "of depth: blosc (Zstandard, best; h5py needs hdf5plugin), deflate (any reader), none")
-      ->check(CLI::IsMember({"blosc", "deflate", "none"}))
-      ->capture_default_str();
-  verb.add_option("--queue-mb", a.queue_mb, "memory for frames that wait for the disk; beyond, they are lost")
-      ->check(CLI::Range(4, 1 << 16))
-      ->capture_default_str();
-  verb.add_option("--reserve-mb", a.reserve_mb, "the recording ends in order when the disk has less left")
-      ->check(CLI::Range(0, 1 << 20))
-      ->capture_default_str();
-  verb.add_option("--workers", a.workers, "threads that compress")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  removed_option(verb, "--compression", "depth is stored by Blosc, which h5py reads with hdf5plugin");
+  for (const char* option : {"--queue-mb", "--reserve-mb", "--workers"})
+    removed_option(verb, option, "a recording takes what memory and threads it needs; leave it out");
   verb.add_flag("--preview", a.preview, "shows the skeletons on the terminal");
   verb.add_option("--calibration", a.calibration,
                   "with --preview: poses of the sensors; shows the person whom all see together, too");

@@ -156,13 +156,13 @@ def _write_sensor(group: h5py.Group, name: str, s: SensorFrames) -> None:
         node = group.create_group(table)
         for column, rows in columns.items():
             _table(node, column, rows)
-    depth_frames = _write_depth(group, name, s.depth) if s.depth is not None else 0
+    if s.depth is not None:
+        _write_depth(group, name, s.depth)
     _table(group, "clock_exchanges_ns", np.zeros((0, 4), np.int64))
     _table(group, "drop_counts", np.zeros((0, 3), np.int64))
     notices = group.create_group("notices")
     _table(notices, "host_ns", np.zeros(0, np.int64))
     _table(notices, "text", np.zeros((0, 240), np.uint8))
-    _table(group, "flushed", np.array([[len(frames["sequence"]), len(bodies["frame"]), depth_frames, 0, 0, 0]], np.int64))
 
 
 def write_session(path: str | os.PathLike, sensors: Mapping[str, SensorFrames], *, note: str = "",

@@ -104,7 +104,7 @@ class LoopedSource : public FrameSource {
 struct Measured {
   double wall_s = 0.0, cores = 0.0, share_of_raw = 0.0;
   std::int64_t lost = 0;
-  double peak_queue = 0.0;
+  double peak_waiting_mb = 0.0;
 };
 
 Measured record_at(const std::vector<Rendered>& rendered, double speed, double seconds,
@@ -112,8 +112,7 @@ Measured record_at(const std::vector<Rendered>& rendered, double speed, double s
   Measured m;
   CaptureOptions options;
   options.on_status = [&](const CaptureStatus& s) {
-    m.peak_queue =
-        std::max(m.peak_queue, static_cast<double>(s.queue_bytes) / static_cast<double>(s.queue_limit_bytes));
+    m.peak_waiting_mb = std::max(m.peak_waiting_mb, 1e-6 * static_cast<double>(s.waiting_bytes));
   };
   std::vector<std::unique_ptr<FrameSource>> sources;
   sources.push_back(std::make_unique<LoopedSource>(rendered, kRate_hz * speed, seconds));
@@ -128,7 +127,7 @@ Measured record_at(const std::vector<Rendered>& rendered, double speed, double s
     m.lost += s.lost_in_queue;
   }
   m.share_of_raw =
-      static_cast<double>(summary.last.file_bytes) / static_cast<double>(frames * kDepthPixels * 2);
+      static_cast<double>(summary.session_bytes) / static_cast<double>(frames * kDepthPixels * 2);
   std::filesystem::remove(path);
   return m;
 }
@@ -168,14 +167,13 @@ void run(double seconds, double step_seconds, const std::filesystem::path& folde
   const Measured real = record_at(rendered, 1.0, seconds, folder / "session.h5");
   fmt::print(
       "real time, {:.0f} s: {} frames lost, {:.2f} cores (the source's copies included), file {:.1f} % of "
-      "raw depth, queue at most {:.1f} % full\n",
-      real.wall_s, real.lost, real.cores, 100.0 * real.share_of_raw, 100.0 * real.peak_queue);
+      "raw depth, at most {:.0f} MB waiting\n",
+      real.wall_s, real.lost, real.cores, 100.0 * real.share_of_raw, real.peak_waiting_mb);
   for (const double speed : {2.0, 4.0, 6.0, 8.0, 12.0, 16.0}) {
     const Measured m = record_at(rendered, speed, step_seconds, folder / "session.h5");
-    fmt::print(
-        "{:>4.0f} x {:.0f} MB/s, {:.0f} s: {} frames lost, {:.2f} cores, queue at most {:.1f} % full\n",
-        speed, 1e-6 * speed * kSensors * kRate_hz * kDepthPixels * 2, m.wall_s, m.lost, m.cores,
-        100.0 * m.peak_queue);
+    fmt::print("{:>4.0f} x {:.0f} MB/s, {:.0f} s: {} frames lost, {:.2f} cores, at most {:.0f} MB waiting\n",
+               speed, 1e-6 * speed * kSensors * kRate_hz * kDepthPixels * 2, m.wall_s, m.lost, m.cores,
+               m.peak_waiting_mb);
     if (m.lost > 0) break;
   }
   const double ours_s = real.cores / (kSensors * kRate_hz);

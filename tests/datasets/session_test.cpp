@@ -5,8 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <hdf5.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
@@ -14,9 +12,9 @@
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
 #include "datasets/session/session_writer.h"
+#include "tests/datasets/made_session.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -28,47 +26,6 @@ using testing::Not;
 std::filesystem::path scratch(const std::string& name) {
   static const ScratchFolder folder;  // removed when the program ends
   return folder / name;
-}
-
-SessionHeader header_of(std::size_t sensors, bool depth = false) {
-  SessionHeader header;
-  header.simulated = true;
-  for (std::size_t i = 0; i < sensors; ++i) {
-    SensorDescription sensor;
-    sensor.name = "k" + std::to_string(i);
-    sensor.serial = "0000" + std::to_string(i);
-    sensor.source = "simulated";
-    sensor.has_depth = depth;
-    header.sensors.push_back(sensor);
-  }
-  return header;
-}
-
-Body body_of(std::uint64_t id, float offset) {
-  Body body;
-  body.tracking_id = id;
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    body.position_m[j] = {offset + static_cast<float>(j), -offset, 2.0f};
-    body.tracking_state[j] = static_cast<std::uint8_t>(j % 3);
-  }
-  body.hand_state = {2, 3};
-  return body;
-}
-
-BodyFrame body_frame_of(std::int64_t i, std::size_t bodies) {
-  BodyFrame frame;
-  frame.stamp = {i, 1000 + i * 333'333, 5'000'000'000 + i * 33'333'300};
-  frame.floor_plane = {0, 1, 0, 1.5f};
-  for (std::size_t b = 0; b < bodies; ++b)
-    frame.bodies.push_back(body_of((std::uint64_t{1} << 56) + b + 1, static_cast<float>(i)));
-  return frame;
-}
-
-std::vector<std::uint16_t> depth_of(std::uint16_t seed) {
-  std::vector<std::uint16_t> depth(kDepthPixels);
-  for (std::size_t p = 0; p < depth.size(); ++p)
-    depth[p] = static_cast<std::uint16_t>(p % 7 == 0 ? 0 : 2000 + seed + (p * 31) % 50);
-  return depth;
 }
 
 using Change = std::function<bool(std::int64_t, BodyFrame&)>;  // false: without this frame
@@ -100,7 +57,6 @@ TEST(Session, WhatIsWrittenIsReadBack) {
   SessionWriter writer(path, header_of(2));
   for (std::int64_t i = 0; i < 2500; ++i) {
     writer.add_body_frame(0, body_frame_of(i, static_cast<std::size_t>(i) % 3));
-    if (i % 30 == 0) writer.flush();
   }
   writer.add_clock_exchange(1, {1, 2, 3, 4});
   writer.add_drop_count(1, {9, 8, 7});
@@ -174,29 +130,6 @@ TEST(Session, AChangedByteOfDepthIsFoundByVerify) {
   bytes[at + chunk.size() / 2] ^= 0x10;
   std::ofstream(path, std::ios::binary) << bytes;
   EXPECT_THAT(said_of(path), HasSubstr("1 frames are damaged"));
-}
-
-TEST(Session, AnUnfinishedFileHasAnotherNameAndCanBeReadUpToTheLastFlush) {
-  const auto path = scratch("killed.h5");
-  std::filesystem::remove(path);
-  const pid_t child = fork();
-  if (child == 0) {
-    SessionWriter writer(path, header_of(1));
-    for (std::int64_t i = 0; i < 100; ++i) {
-      writer.add_body_frame(0, body_frame_of(i, 1));
-      if (i == 74) writer.flush();
-    }
-    kill(getpid(), SIGKILL);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFSIGNALED(status));
-  EXPECT_FALSE(std::filesystem::exists(path));
-  const SessionReader reader(partial_name(path));
-  EXPECT_FALSE(reader.complete());
-  EXPECT_EQ(reader.counts(0).body_frames, 75u);
-  EXPECT_EQ(reader.body_frames(0, 74, 1)[0].bodies.at(0).position_m,
-            body_frame_of(74, 1).bodies[0].position_m);
 }
 
 TEST(Session, OtherFilesAreRefusedWithTheReason) {
@@ -415,50 +348,6 @@ TEST(Session, VerifySaysHowFarFramesLieFromExchanges) {
               HasSubstr("warning frames lie up to 25.2 s from any exchange"));
 }
 
-// A flush that came half way: rows of some columns and depth without its chunk lie behind what was flushed.
-TEST(Session, ReadersOfAnUnfinishedFileGoByWhatWasFlushed) {
-  const auto path = scratch("half.h5");
-  auto writer = std::make_unique<SessionWriter>(path, header_of(1, true));
-  for (std::int64_t i = 0; i < 5; ++i) {
-    writer->add_body_frame(0, body_frame_of(i, 1));
-    writer->add_depth_frame(0, encode_depth_frame({i, i, i}, depth_of(1), ChunkCompression::blosc));
-  }
-  writer->flush();
-  for (std::int64_t i = 5; i < 8; ++i)
-    writer->add_depth_frame(0, encode_depth_frame({i, i, i}, depth_of(2), ChunkCompression::blosc));
-  const SessionReader session(partial_name(path));
-  EXPECT_FALSE(session.complete());
-  EXPECT_EQ(session.counts(0).body_frames, 5u);
-  EXPECT_EQ(session.counts(0).depth_frames, 5u);
-}
-
-TEST(SessionRecover, DamagedFramesAreLeftOutAndCounted) {
-  const auto path = scratch("damaged.h5"), saved = scratch("saved.h5");
-  {
-    SessionWriter writer(path, header_of(1, true));
-    for (std::int64_t i = 0; i < 4; ++i) {
-      EncodedDepthFrame frame =
-          encode_depth_frame({i, i, i}, depth_of(static_cast<std::uint16_t>(i)), ChunkCompression::blosc);
-      if (i == 2) frame.chunk[frame.chunk.size() / 2] ^= std::byte{1};
-      writer.add_depth_frame(0, frame);
-      writer.add_notice(0, {i, "notice " + std::to_string(i)});
-    }
-    writer.flush();
-  }  // never finished
-  std::filesystem::remove(saved);
-  const auto recoveries = recover_session(partial_name(path), saved);
-  ASSERT_EQ(recoveries.size(), 1u);
-  EXPECT_EQ(recoveries[0].damaged_depth_frames, 1u);
-  EXPECT_EQ(recoveries[0].saved.depth_frames, 3u);
-  const SessionReader session(saved);
-  EXPECT_TRUE(session.complete());
-  const auto stamps = session.stamps(0, FrameStream::depth, 0, 3);
-  EXPECT_EQ(stamps[2].sequence, 3);
-  EXPECT_EQ(session.notices(0).size(), 5u);
-  EXPECT_EQ(session.notices(0)[3].text, "notice 3");
-  EXPECT_THAT(session.notices(0)[4].text, HasSubstr("0 body frames, 1 depth frames, 0 clock exchanges"));
-}
-
 // The library takes a wrong checksum for a writer at work and, left to itself, would wait for centuries.
 TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
   const auto path = written("superblock.h5", 1);
@@ -466,74 +355,6 @@ TEST(SessionReader, ADamagedSuperblockIsRefusedAtOnce) {
   bytes.at(44) = static_cast<char>(bytes.at(44) ^ 0x5a);  // of the checksum
   write_file(path, bytes);
   EXPECT_THAT(message_of([&] { SessionReader reader(path); }), HasSubstr("is not a readable HDF5 file"));
-}
-
-// `pattern`, once in the file, with one bit changed.
-void flip_a_bit_of(const std::filesystem::path& path, const std::string& pattern) {
-  std::string bytes = read_file(path);
-  const std::size_t at = bytes.find(pattern);
-  ASSERT_NE(at, std::string::npos);
-  bytes[at] = static_cast<char>(bytes[at] ^ 1);
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
-TEST(SessionRecover, WhatIsDamagedCostsNoMoreThanItself) {
-  const auto path = scratch("bits.h5"), saved = scratch("bits_saved.h5");
-  constexpr float kMark = 7.654321f;
-  {
-    SessionWriter writer(path, header_of(2));
-    for (std::int64_t i = 0; i < 100; ++i) {
-      BodyFrame frame = body_frame_of(i, 1);
-      if (i == 5) frame.bodies[0].position_m[3][2] = kMark;
-      writer.add_body_frame(0, frame);
-      BodyFrame late = body_frame_of(i, 1);
-      if (i == 70) late.stamp.device_ticks = std::int64_t{1} << 62;
-      writer.add_body_frame(1, late);
-      const std::int64_t t2 = i == 50 ? std::int64_t{1} << 61 : i + 1;
-      writer.add_clock_exchange(0, {i, t2, t2, i + 2});
-      if (i % 20 == 19) writer.flush();
-    }
-  }  // never finished
-  flip_a_bit_of(partial_name(path), std::string(reinterpret_cast<const char*>(&kMark), sizeof kMark));
-  // a read that also touches the last chunk must not believe the damaged one
-  EXPECT_THAT(message_of([&] { SessionReader(partial_name(path)).body_frames(0, 0, 100); }),
-              HasSubstr("position_m: cannot be read"));
-  std::filesystem::remove(saved);
-  const auto recoveries = recover_session(partial_name(path), saved);
-  ASSERT_EQ(recoveries.size(), 2u);
-  EXPECT_EQ(recoveries[0].damaged_body_frames, 32u);  // a chunk
-  EXPECT_EQ(recoveries[0].damaged_exchanges, 1u);
-  EXPECT_EQ(recoveries[1].damaged_body_frames, 1u);  // with an impossible time
-  const SessionReader session(saved);
-  EXPECT_EQ(session.counts(0).body_frames, 68u);
-  EXPECT_EQ(session.counts(0).bodies, 68u);
-  EXPECT_EQ(session.counts(0).clock_exchanges, 99u);
-  EXPECT_EQ(session.counts(1).body_frames, 99u);
-  EXPECT_EQ(session.body_frames(0, 0, 1)[0].stamp.sequence, 32);
-}
-
-TEST(SessionRecover, CountsAndNoticesThatCannotBeReadAreCountedAsDamaged) {
-  const auto path = scratch("lists.h5"), saved = scratch("lists_saved.h5");
-  std::string counts;  // of the second 32 frames
-  {
-    SessionWriter writer(path, header_of(1));
-    for (std::int64_t i = 0; i < 100; ++i) {
-      const auto bodies = static_cast<int>(i * i % 7 % 4);
-      if (i >= 32 && i < 64) counts += static_cast<char>(bodies);
-      writer.add_body_frame(0, body_frame_of(i, bodies));
-      writer.add_notice(0, {i, "what was seen at " + std::to_string(1000 + i)});
-      if (i % 20 == 19) writer.flush();
-    }
-  }  // never finished
-  flip_a_bit_of(partial_name(path), counts);
-  flip_a_bit_of(partial_name(path), "what was seen at 1001");
-  std::filesystem::remove(saved);
-  const auto recoveries = recover_session(partial_name(path), saved);
-  EXPECT_EQ(recoveries.at(0).saved.body_frames, 32u);
-  EXPECT_EQ(recoveries[0].damaged_body_frames, 68u);  // what lies behind unknown counts, too
-  EXPECT_EQ(recoveries[0].damaged_lists, 1u);
-  EXPECT_THAT(SessionReader(saved).notices(0).back().text,
-              HasSubstr("68 body frames, 0 depth frames, 0 clock exchanges, 1 lists"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/session/event_log.h"
 #include "datasets/session/session_writer.h"
 #include "recorders/network/link/tls_keys.h"
 #include "recorders/network/link/wire.h"
@@ -53,6 +54,19 @@ void write_session(const fs::path& path) {
   writer.finish();
 }
 
+void write_log(const fs::path& path) {
+  LogHead head{1, 2, "k1", {}};
+  head.session.sensors.resize(1);
+  fs::remove(path);
+  EventLogWriter log(path, head);
+  log.append(0, BodyFrame{{1, 2, 3}, {}, {Body{.tracking_id = 7}}});
+  log.append(0, EncodedDepthFrame{{1, 2, 3}, std::vector<std::byte>(20), ChunkCompression::none});
+  log.append(0, ClockExchange{1, 2, 3, 4});
+  log.append(0, DropCount{1, 2, 3});
+  log.append(0, SensorNotice{5, "back again"});
+  log.finish("unplugged");
+}
+
 // Motive's columns, as our own writer lays them out.
 void write_motive(const fs::path& path) {
   MocapHeader header;
@@ -90,6 +104,7 @@ void write_seeds(const fs::path& folder) {
     return folder / fuzzer / name;
   };
   write_session(seed("session", "three_frames"));
+  write_log(seed("event_log", "every_kind"));
   for (const char* reader : {"mocap", "mocap_summary"}) {
     write_motive(seed(reader, "motive"));
     write_file(seed(reader, "trc"), kTrc);

@@ -9,6 +9,7 @@
 #include "datasets/mocap/joint_csv.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
+#include "datasets/session/event_log.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
 #include "recorders/network/link/message_link.h"
@@ -60,6 +61,17 @@ void read_some_assets(const fs::path& path) {
 
 void read_joints(const fs::path& path) {
   if (is_joint_csv(path)) read_joint_csv(path);
+}
+
+// ---- event logs
+void read_log(FuzzInput input) {
+  const auto bytes = std::as_bytes(input);
+  LogScanner scanner("a log", [](std::size_t, LogEvent&&) {});
+  tolerate_bad_input([&] {
+    scanner.feed(bytes.first(bytes.size() / 3));
+    scanner.feed(bytes.subspan(bytes.size() / 3));
+    (void)scanner.finish();
+  });
 }
 
 // ---- HDF5
@@ -133,6 +145,7 @@ constexpr Fuzzer kFuzzers[] = {
     {"mocap_summary", file<inspect_mocap>},
     {"mocap", file<read_some_assets>},
     {"joint_csv", file<read_joints>},
+    {"event_log", read_log},
     {"session", file<read_session>},
     {"wire", read_wire},
     {"keys", file<read_tls_keys>},

@@ -59,7 +59,7 @@ TEST(Record, EndsWhenItsDurationIsOver) {
 TEST(Record, InterruptedClosesTheFileInOrder) {
   const ScratchFolder folder;
   const Process process(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")});
-  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.partial")); });
+  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.trilog")); });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   process.interrupt();
   EXPECT_EQ(process.wait().code, 0);
@@ -70,25 +70,30 @@ TEST(Record, AKilledRecordingIsRecoveredAndEvaluated) {
   const ScratchFolder folder;
   const Process process(folder, {"record", "--source", "synthetic:4,depth=no", "--truth", in(folder, "truth"),
                                  "-o", in(folder, "s.h5")});
-  // a slow machine takes its time until so many frames are flushed
+  // a slow machine takes its time until so many frames are there
+  Json followed;
   wait_for([&] {
-    try {
-      return SessionReader(folder / "s.h5.partial").counts(0).body_frames > 60;
-    } catch (const InputError&) {
-      return false;  // not there, or nothing flushed
-    }
+    const Ended info = run_trilat(folder, {"info", in(folder, "s.h5"), "--json"});
+    if (info.code != 0) return false;  // not there yet
+    followed = only_json(info);
+    return followed["sensors"][0]["body_frames"].get<int>() > 60;
   });
+  EXPECT_EQ(followed["recording"], true);
+  expect_refused(run_trilat(folder, {"recover", in(folder, "s.h5.trilog")}),
+                 "is being written by a recording that still runs");
   process.kill_at_once();
   EXPECT_EQ(process.wait().code, -1);
-  const Ended followed = run_trilat(folder, {"info", in(folder, "s.h5")});
-  EXPECT_THAT(followed.out, HasSubstr("NOT closed by its recorder"));
+  EXPECT_THAT(run_trilat(folder, {"info", in(folder, "s.h5")}).out, HasSubstr("NOT ended by its recorder"));
+  expect_refused(run_trilat(folder, {"verify", in(folder, "s.h5")}), "did not become a session yet");
+  expect_refused(run_trilat(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")}),
+                 "of a recorder that was killed");
   const Ended recovered = run_trilat(folder, {"recover", in(folder, "s.h5"), "--json"});
   EXPECT_EQ(recovered.code, 0) << recovered.err;
   const Json json = only_json(recovered);
   EXPECT_THAT(json["session"].get<std::string>(), EndsWith("s.h5"));
   EXPECT_GT(json["sensors"][0]["body_frames"].get<int>(), 60);
   EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
-  EXPECT_TRUE(std::filesystem::exists(in(folder, "s.h5.partial")));
+  EXPECT_TRUE(std::filesystem::exists(in(folder, "s.h5.trilog")));
   const std::string study = file_with(folder, "study.json", R"({"format": "trilat.study", "version": 1,
       "kind": "accuracy", "name": "mine", "alignments": ["none"], "methods": [{"method": "mean"}]})");
   const std::vector<std::string> run{
@@ -163,13 +168,14 @@ TEST(Recover, AFinishedRecordingWithoutItsNameGetsIt) {
 
 TEST(Record, TwoRecordersCannotHaveOneName) {
   const ScratchFolder folder;
-  const Process waiting(folder, {"record", "--listen", "127.0.0.1:0", "-o", in(folder, "s.h5")}, "record_");
-  port_of(folder);
-  expect_refused(run_trilat(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")}),
-                 "another recorder waits with this name");
-  waiting.interrupt();
-  waiting.wait();
-  EXPECT_FALSE(std::filesystem::exists(in(folder, "s.h5.partial")));
+  const std::vector<std::string> record{"record", "--source", "synthetic:1,depth=no", "-o",
+                                        in(folder, "s.h5")};
+  const Process first(folder, record, "first_");
+  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.trilog")); });
+  expect_refused(run_trilat(folder, record), "is being written by another recorder");
+  first.interrupt();
+  EXPECT_EQ(first.wait().code, 0);
+  EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
 }
 
 TEST(Record, ADisplayThatTakesNothingHoldsUpNobody) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/capture.h"
 
+#include <atomic>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -52,8 +53,7 @@ void expect_pattern(const SessionReader& session, std::size_t sensor, std::size_
 TEST(Capture, StoresWhatAllSourcesDeliverInTheirOrder) {
   const ScratchFolder folder;
   CaptureOptions options;
-  options.queue_bytes = 3 << 20;  // sources have to wait
-  options.workers = 3;
+  options.spool.limit_bytes = 3 << 20;  // sources have to wait
   const CaptureSummary summary = capture(
       sources_of(std::make_unique<PatternSource>(2, 40), std::make_unique<PatternSource>(1, 25, false, "m")),
       folder / "session.h5", options);
@@ -80,17 +80,10 @@ class CompressedSource : public PatternSource {
   }
 };
 
-TEST(Capture, DepthThatComesCompressedIsCompressedAgainOnlyWhenTheFileWantsAnother) {
+TEST(Capture, DepthThatComesCompressedIsStoredAsItIs) {
   const ScratchFolder folder;
-  CaptureOptions options;
-  for (const ChunkCompression compression : {ChunkCompression::blosc, ChunkCompression::deflate}) {
-    options.depth_compression = compression;
-    const std::string name = compression == ChunkCompression::blosc ? "blosc.h5" : "deflate.h5";
-    capture(sources_of(std::make_unique<CompressedSource>()), folder / name, options);
-    const SessionReader session(folder / name);
-    EXPECT_EQ(session.stored_depth_frame(0, 0).compression, compression);
-    expect_pattern(session, 0, 0, 5);
-  }
+  capture(sources_of(std::make_unique<CompressedSource>()), folder / "session.h5", {});
+  expect_pattern(SessionReader(folder / "session.h5"), 0, 0, 5);
 }
 
 // Of a source that waits for its next frame, whenever that is.
@@ -110,11 +103,7 @@ TEST(LiveSource, StopEndsTheWaitOfAnotherThread) {
 TEST(Capture, WhatALiveSourceDeliversWithoutRoomIsDroppedAndCounted) {
   const ScratchFolder folder;
   CaptureOptions options;
-  options.queue_bytes = 1 << 20;  // two frames
-  options.workers = 1;
-  options.on_bodies = [](const std::string&, const BodyFrame&) {  // a slow disk
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  };
+  options.spool.limit_bytes = 1 << 20;  // two frames, and they come faster than they can be compressed
   const CaptureSummary summary =
       capture(sources_of(std::make_unique<PatternSource>(1, 100, true)), folder / "session.h5", options);
   EXPECT_TRUE(summary.lost_frames());
@@ -166,8 +155,8 @@ TEST(Capture, ASourceThatBreaksIsToldAndTheOthersGoOn) {
 TEST(Capture, ASilenceIsReportedOnceAndWhenItEnds) {
   const ScratchFolder folder;
   CaptureOptions options;
-  options.silence_s = 0.1;
-  options.flush_period_s = 0.02;
+  options.spool.silence_s = 0.1;
+  options.look_period_s = 0.02;
   capture(sources_of(std::make_unique<UnreliableSource>(4, 0.6)), folder / "session.h5", options);
   const SessionReader session(folder / "session.h5");
   const auto notices = notices_of(session, 0);
@@ -208,8 +197,8 @@ class GappySource : public FrameSource {
 TEST(Capture, FramesThatAreMissingByTheirNumbersAreCountedAndADeadStreamIsNamed) {
   const ScratchFolder folder;
   CaptureOptions options;
-  options.silence_s = 0.1;
-  options.flush_period_s = 0.02;
+  options.spool.silence_s = 0.1;
+  options.look_period_s = 0.02;
   const CaptureSummary summary =
       capture(sources_of(std::make_unique<GappySource>(50)), folder / "session.h5", options);
   EXPECT_TRUE(summary.lost_frames());
@@ -223,7 +212,7 @@ TEST(Capture, FramesThatAreMissingByTheirNumbersAreCountedAndADeadStreamIsNamed)
 TEST(Capture, WhenAskedToStopClosesTheFileWithAllThatCame) {
   const ScratchFolder folder;
   CaptureOptions options;
-  options.flush_period_s = 0.02;
+  options.look_period_s = 0.02;
   bool stop = false;
   options.on_status = [&](const CaptureStatus& status) { stop = status.sensors[0].depth_frames > 20; };
   options.stop_requested = [&] { return stop; };
@@ -234,13 +223,13 @@ TEST(Capture, WhenAskedToStopClosesTheFileWithAllThatCame) {
   EXPECT_TRUE(session.complete());
   EXPECT_GT(session.counts(0).depth_frames, 20u);
   expect_pattern(session, 0, 0, session.counts(0).depth_frames);
-  EXPECT_FALSE(std::filesystem::exists(partial_name(folder / "session.h5")));
+  EXPECT_FALSE(std::filesystem::exists(log_name(folder / "session.h5")));
 }
 
 TEST(Capture, EndsInOrderWhenTheDiskIsNearlyFull) {
   const ScratchFolder folder;
   CaptureOptions options;
-  options.flush_period_s = 0.02;
+  options.look_period_s = 0.02;
   options.reserve_bytes = std::uint64_t{1} << 62;
   const CaptureSummary summary =
       capture(sources_of(std::make_unique<PatternSource>(1, 1'000'000)), folder / "session.h5", options);
@@ -286,14 +275,54 @@ class ImpossibleSource : public PatternSource {
   }
 };
 
-TEST(Capture, TimesThatNoClockShowsAreLeftOutAndCounted) {
+// An odd clock exchange is no lost frame.
+TEST(Capture, TimesThatNoClockShowsAreLeftOutAndFramesOfSuchCounted) {
   const ScratchFolder folder;
   const CaptureSummary summary =
       capture(sources_of(std::make_unique<ImpossibleSource>()), folder / "session.h5", {});
-  EXPECT_EQ(summary.last.sensors[0].lost_in_queue, 2);
+  EXPECT_EQ(summary.last.sensors[0].lost_in_queue, 1);
   const SessionReader session(folder / "session.h5");
   EXPECT_EQ(session.body_frames(0, 0, session.counts(0).body_frames).size(), 9u);
   EXPECT_EQ(session.clock_exchanges(0).size(), 9u);
+}
+
+// Live, and silent from its 20th frame on.
+class DyingSource : public PatternSource {
+ public:
+  DyingSource() : PatternSource(1, 1'000'000, true) {}
+  std::optional<SourceEvent> next() override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (events_++ < 60) return PatternSource::next();
+    while (!silent_.load()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return std::nullopt;
+  }
+  void stop() override { silent_ = true; }
+
+ private:
+  std::int64_t events_ = 0;
+  std::atomic<bool> silent_{false};
+};
+
+TEST(Capture, ASensorThatIsSilentToTheEndHasLostWhatItWouldHaveDelivered) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.spool.silence_s = 0.2;
+  options.look_period_s = 0.02;
+  options.duration_s = 1.5;
+  std::vector<std::string> notices;
+  options.on_notice = [&](const std::string& text) { notices.push_back(text); };
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<DyingSource>(), std::make_unique<PatternSource>(1, 10, true, "m")),
+              folder / "session.h5", options);
+  EXPECT_EQ(summary.end, CaptureEnd::duration_over);
+  // 30 frames a second of bodies and of depth
+  EXPECT_GE(summary.last.sensors[0].lost_at_source, 2 * 20);
+  EXPECT_LE(summary.last.sensors[0].lost_at_source, 2 * 45 + 2 * 30 * 5);  // a busy machine ends late
+  EXPECT_EQ(summary.last.sensors[1].lost_at_source, 0);                    // its source ended
+  EXPECT_EQ(SessionReader(folder / "session.h5").drop_counts(0).back().at_source,
+            summary.last.sensors[0].lost_at_source);
+  EXPECT_THAT(notices, Contains("k0: no frame of depth for 0.2 s"));
+  EXPECT_THAT(notices, testing::Not(Contains(HasSubstr("m0"))));
 }
 
 TEST(Capture, TwoSensorsOfOneNameAreRefused) {

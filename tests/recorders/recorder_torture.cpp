@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Records in a second process, kills it at a random instant or lets its disk run full, recovers, and compares
-// every frame that had been flushed with what was recorded, byte for byte.
+// every frame that was in the log's file with what was recorded, byte for byte.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -20,7 +20,8 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
-#include "datasets/session/session_recover.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/write_session.h"
 #include "recorders/capture.h"
 #include "tests/recorders/pattern_source.h"
 
@@ -30,15 +31,11 @@ namespace {
 constexpr std::size_t kSensors = 2;
 constexpr std::int64_t kFrames = 60;
 
-// What one trial is to do; in the recording process `says` gets the frames that are safe, sensor by sensor.
+// What one trial is to do. In the recording process `says` gets how many bytes of the log are in its file.
 struct Trial {
   std::filesystem::path session;
   double kill_after_s = -1.0;
   rlim_t file_limit_bytes = RLIM_INFINITY;
-};
-
-struct Safe {
-  std::uint64_t body_frames[kSensors]{}, depth_frames[kSensors]{};
 };
 
 // A source that keeps to a rhythm, so that a recording lasts long enough to be killed in.
@@ -58,42 +55,34 @@ class SteadySource : public PatternSource {
     setrlimit(RLIMIT_FSIZE, &limit);
   }
   CaptureOptions options;
-  options.flush_period_s = 0.01;
+  options.look_period_s = 0.01;
   options.reserve_bytes = 0;
   options.on_status = [&](const CaptureStatus& status) {
-    Safe safe;
-    for (std::size_t s = 0; s < kSensors; ++s) {
-      safe.body_frames[s] = status.sensors[s].body_frames;
-      safe.depth_frames[s] = status.sensors[s].depth_frames;
-    }
-    if (::write(says, &safe, sizeof safe) != sizeof safe) std::_Exit(3);
+    if (::write(says, &status.log_bytes, sizeof status.log_bytes) != sizeof status.log_bytes) std::_Exit(3);
   };
   std::vector<std::unique_ptr<FrameSource>> sources;
   sources.push_back(std::make_unique<SteadySource>());
   try {
     const CaptureSummary summary = capture(sources, trial.session, options);
-    std::exit(summary.end == CaptureEnd::source_ended ? 0 : summary.end == CaptureEnd::disk_failed ? 1 : 4);
+    std::exit(summary.end == CaptureEnd::source_ended && summary.log_left.empty() ? 0 : 4);
   } catch (const OutputError&) {
-    std::exit(1);  // the file could not even be created
+    std::exit(1);
   } catch (const InputError&) {
     std::exit(2);
   }
 }
 
-Safe last_of(int pipe) {
-  Safe safe, next;
+std::uint64_t last_of(int pipe) {
+  std::uint64_t safe = 0, next = 0;
   while (::read(pipe, &next, sizeof next) == sizeof next) safe = next;
   return safe;
 }
 
-// Empty when the session holds at least what was safe, and nothing but what was recorded.
-std::string difference(const SessionReader& session, const Safe& safe) {
+// Empty when the session holds nothing but what was recorded, without a gap.
+std::string difference(const SessionReader& session) {
   std::vector<std::uint16_t> depth(kDepthPixels);
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
     const SensorCounts& counts = session.counts(s);
-    if (counts.body_frames < safe.body_frames[s] || counts.depth_frames < safe.depth_frames[s])
-      return fmt::format("sensor {} holds {} and {} frames, {} and {} were flushed", s, counts.body_frames,
-                         counts.depth_frames, safe.body_frames[s], safe.depth_frames[s]);
     const auto bodies = session.body_frames(s, 0, counts.body_frames);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const BodyFrame expected = PatternSource::bodies_of(s, static_cast<std::int64_t>(i));
@@ -123,34 +112,37 @@ std::string difference(const SessionReader& session, const Safe& safe) {
 
 struct Outcome {
   std::string problem;  // empty: nothing was lost
-  bool complete = false, nothing_flushed = false;
+  bool complete = false, nothing_written = false;
 };
 
-// A file that its process left is read again after recovery, a finished one as it is.
-Outcome examine(const Trial& trial, const Safe& safe) {
+// A log that its process left becomes a session first. `safe`: bytes that were in its file.
+Outcome examine(const Trial& trial, std::uint64_t safe) {
   Outcome outcome;
-  outcome.nothing_flushed = safe.body_frames[0] + safe.body_frames[1] == 0;
+  outcome.nothing_written = safe == 0;
+  const std::filesystem::path log = log_name(trial.session);
   try {
-    outcome.complete = std::filesystem::exists(trial.session);
+    outcome.complete = !std::filesystem::exists(log);
     std::filesystem::path readable = trial.session;
     if (!outcome.complete) {
       readable = trial.session.string() + ".saved.h5";
-      recover_session(partial_name(trial.session), readable);
+      const LogsWritten written = write_session({log}, readable);
+      if (written.logs[0].end < safe || written.logs[0].gap_count > 0)
+        outcome.problem = fmt::format("{} bytes are whole, {} were in the file, {} places are damaged",
+                                      written.logs[0].end, safe, written.logs[0].gap_count);
     }
     const SessionReader session(readable);
     if (!session.complete()) outcome.problem = "is not complete";
-    if (outcome.problem.empty()) outcome.problem = difference(session, safe);
+    if (outcome.problem.empty()) outcome.problem = difference(session);
   } catch (const InputError& error) {
-    // before the first flush there may be no file, or nothing in it
-    if (!outcome.nothing_flushed) outcome.problem = error.what();
+    if (!outcome.nothing_written) outcome.problem = error.what();  // there may be no file, or no head in it
   }
   return outcome;
 }
 
 // Records in a process of its own; what was safe when it ended, and how it should not have ended.
-std::pair<Safe, std::string> record_apart(const Trial& trial) {
+std::pair<std::uint64_t, std::string> record_apart(const Trial& trial) {
   int ends[2];
-  if (::pipe(ends) != 0) return {{}, "no pipe"};
+  if (::pipe(ends) != 0) return {0, "no pipe"};
   const pid_t child = fork();
   if (child == 0) {
     ::close(ends[0]);
@@ -161,7 +153,7 @@ std::pair<Safe, std::string> record_apart(const Trial& trial) {
     std::this_thread::sleep_for(std::chrono::duration<double>(trial.kill_after_s));
     kill(child, SIGKILL);
   }
-  const Safe safe = last_of(ends[0]);
+  const std::uint64_t safe = last_of(ends[0]);
   ::close(ends[0]);
   int status = 0;
   waitpid(child, &status, 0);
@@ -176,8 +168,14 @@ Outcome run(const Trial& trial) {
   return problem.empty() ? examine(trial, safe) : Outcome{problem, false, false};
 }
 
+void remove_files(const Trial& trial) {
+  for (const char* tail : {"", ".partial", ".trilog", ".saved.h5"})
+    std::filesystem::remove(trial.session.string() + tail);
+}
+
 double seconds_of_a_whole_recording(const std::filesystem::path& folder) {
   const Trial trial{folder / "whole.h5"};
+  remove_files(trial);
   const auto start = std::chrono::steady_clock::now();
   const auto [safe, problem] = record_apart(trial);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -185,11 +183,6 @@ double seconds_of_a_whole_recording(const std::filesystem::path& folder) {
   if (!problem.empty() || !outcome.problem.empty() || !outcome.complete)
     throw InputError("an undisturbed recording", problem + outcome.problem);
   return seconds;
-}
-
-void remove_files(const Trial& trial) {
-  for (const char* tail : {"", ".partial", ".saved.h5"})
-    std::filesystem::remove(trial.session.string() + tail);
 }
 
 int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem::path& folder) {
@@ -208,7 +201,7 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
     remove_files(trial);  // an earlier torture was killed itself
     const Outcome outcome = run(trial);
     complete += outcome.complete;
-    empty += outcome.nothing_flushed;
+    empty += outcome.nothing_written;
     if (!outcome.problem.empty()) {
       ++lost;
       fmt::print(stderr, "trial {} ({}): {}\n", i,
@@ -220,8 +213,9 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
     }
   }
   fmt::print(
-      "{} kills, {} full disks; a whole recording takes {:.3f} s: {} files lost anything that was flushed; "
-      "{} had been finished before, {} had flushed nothing yet\n",
+      "{} kills, {} full disks; a whole recording takes {:.3f} s: {} logs lost anything that was in their "
+      "files; "
+      "{} had become sessions before, {} had written nothing yet\n",
       kills, full_disks, whole_s, lost, complete, empty);
   return lost == 0 ? 0 : 1;
 }
