@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "recorders/agents.h"
 #include "recorders/frame_source.h"
 #include "recorders/spool.h"
 
@@ -22,6 +23,10 @@ struct CaptureStatus {
 
 struct CaptureOptions {
   std::string started_utc;  // of the session; for people
+  // Agents of other computers: how many, where they connect, and how long they are waited for.
+  std::size_t agents = 0;
+  std::function<std::unique_ptr<StreamListener>()> listen = {};
+  double wait_s = 60.0;
   SpoolOptions spool = {};
   double look_period_s = 0.25;  // between looks for silent sensors, losses and the disk
   double duration_s = 0.0;      // 0: until the sources end or somebody stops it
@@ -50,9 +55,15 @@ struct CaptureSummary {
 // `path` with ".trilog" behind: the log of a recording that is to become `path`.
 std::filesystem::path log_name(const std::filesystem::path& path);
 
-// Records all sources into a log beside `path` until they end or something stops them, makes the session of
-// it, verifies that, and removes the log. InputError when the log exists, or two sensors have one name.
-// OutputError when the disk fails: the log then keeps what was synced.
+// The logs from which the session at `path` is to be made: of its recorder, and copies of those of its
+// agents.
+std::vector<std::filesystem::path> logs_beside(const std::filesystem::path& path);
+
+// Records all sources and agents into logs beside `path` until they end or something stops them, makes the
+// session of these, reads it back, and removes them. With agents, the recording that a killed recorder left
+// there goes on. InputError when logs exist otherwise, two sensors have one name, or agents do not come;
+// Interrupted when stopped before the beginning. OutputError when the disk fails: the logs then keep what was
+// synced.
 CaptureSummary capture(const std::vector<std::unique_ptr<FrameSource>>& sources,
                        const std::filesystem::path& path, const CaptureOptions& options);
 

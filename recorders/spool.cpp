@@ -2,10 +2,9 @@
 #include "recorders/spool.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <new>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "datasets/base/error.h"
 
@@ -25,6 +24,12 @@ std::size_t bytes_of(const SourceEvent& event) {
 bool is_depth(const SourceEvent& event) {
   return std::holds_alternative<DepthFrame>(event.data) ||
          std::holds_alternative<EncodedDepthFrame>(event.data);
+}
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", seconds);
+  return text;
 }
 
 const FrameStamp* stamp_of(const SourceEvent& event) {
@@ -57,9 +62,12 @@ void Spool::Stream::add(const FrameStamp& stamp) {
   ++arrived;
 }
 
-Spool::Spool(const std::vector<std::unique_ptr<FrameSource>>& sources, EventLogWriter& log,
+Spool::Spool(const std::vector<std::unique_ptr<FrameSource>>& sources, std::shared_ptr<EventLogWriter> log,
              SpoolOptions options)
-    : sources_(sources), log_(log), options_(std::move(options)), running_sources_(sources.size()) {
+    : sources_(sources),
+      log_(std::move(log)),
+      options_(std::move(options)),
+      running_sources_(sources.size()) {
   for (const auto& source : sources)
     for (const SensorDescription& sensor : source->header().sensors)
       sensors_.push_back({.description = sensor,
@@ -88,6 +96,33 @@ Spool::~Spool() {
 
 void Spool::stop() {
   for (const auto& source : sources_) source->stop();
+}
+
+std::shared_ptr<EventLogWriter> Spool::log() const {
+  const std::lock_guard lock(mutex_);
+  return log_;
+}
+
+void Spool::go_on_in(std::shared_ptr<EventLogWriter> log) {
+  {
+    const std::lock_guard lock(mutex_);
+    log_.swap(log);
+  }
+  while (log.use_count() > 2)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the caller's and this one
+}
+
+void Spool::set_disk_full(bool full) {
+  const std::lock_guard lock(mutex_);
+  disk_full_ = full;
+}
+
+void Spool::add_exchange(const ClockExchange& exchange) {
+  try {
+    for (std::size_t s = 0; s < sensors_.size(); ++s) log()->append(s, exchange);
+  } catch (const OutputError& error) {
+    fail(error.what());
+  }
 }
 
 void Spool::fail(const std::string& problem) {
@@ -136,7 +171,8 @@ bool Spool::arrived(Sensor& sensor, const SourceEvent& event, std::vector<std::s
     return false;
   }
   Stream& stream = is_depth(event) ? sensor.depth : sensor.bodies;
-  if (std::exchange(stream.silent, false)) notices.push_back(fmt::format("frames of {} again", stream.name));
+  if (std::exchange(stream.silent, false))
+    notices.push_back(std::string("frames of ") + stream.name + " again");
   stream.add(*stamp);
   return true;
 }
@@ -155,7 +191,7 @@ void Spool::push(SourceEvent event, bool may_wait) {
       return waiting_bytes_ == 0 || waiting_bytes_ + bytes <= limit || !log_problem_.empty();
     };
     if (may_wait) changed_.wait(lock, has_room);
-    if (!has_room() || !log_problem_.empty()) {
+    if (!has_room() || !log_problem_.empty() || (disk_full_ && stamp_of(event))) {
       ++sensor.dropped;
     } else {
       waiting_bytes_ += bytes;
@@ -197,16 +233,16 @@ void Spool::store(std::size_t s, SourceEvent event) {
     ++stream.stored;
   };
   if (const auto* frame = std::get_if<BodyFrame>(&event.data)) {
-    log_.append(s, *frame);
+    log()->append(s, *frame);
     stored(sensor.bodies);
     const std::lock_guard lock(mutex_);
     sensor.newest_bodies = *frame;
   } else if (auto* encoded = std::get_if<EncodedDepthFrame>(&event.data)) {
-    log_.append(s, std::move(*encoded));
+    log()->append(s, std::move(*encoded));
     stored(sensor.depth);
   } else if (const auto* raw = std::get_if<DepthFrame>(&event.data)) {
     try {
-      log_.append(s, encode_depth_frame(raw->stamp, raw->depth_mm, quickest_compression()));
+      log()->append(s, encode_depth_frame(raw->stamp, raw->depth_mm, quickest_compression()));
       stored(sensor.depth);
     } catch (const std::bad_alloc&) {
       {
@@ -216,7 +252,7 @@ void Spool::store(std::size_t s, SourceEvent event) {
       notice(s, "there was no memory for a depth frame");
     }
   } else if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) {
-    log_.append(s, *exchange);
+    log()->append(s, *exchange);
   } else if (const auto* text = std::get_if<SourceNotice>(&event.data)) {
     notice(s, text->text);
   }
@@ -224,7 +260,7 @@ void Spool::store(std::size_t s, SourceEvent event) {
 
 void Spool::notice(std::size_t s, const std::string& text) {
   try {
-    log_.append(s, SensorNotice{steady_now_ns(), text});
+    log()->append(s, SensorNotice{steady_now_ns(), text});
   } catch (const OutputError& error) {
     fail(error.what());
   }
@@ -250,7 +286,8 @@ void Spool::look_after() {
         if (!stream->expected || stream->silent || sensor.has_ended) continue;
         if (std::chrono::duration<double>(now - stream->heard).count() <= options_.silence_s) continue;
         stream->silent = true;
-        notices.emplace_back(s, fmt::format("no frame of {} for {:.1f} s", stream->name, options_.silence_s));
+        notices.emplace_back(
+            s, std::string("no frame of ") + stream->name + " for " + seconds_text(options_.silence_s));
       }
       const DropCount count{steady_now_ns(),
                             std::max(sensor.counted_at_source, sensor.bodies.missing + sensor.depth.missing),
@@ -262,7 +299,7 @@ void Spool::look_after() {
     }
   }
   try {
-    for (const auto& [s, count] : drops) log_.append(s, count);
+    for (const auto& [s, count] : drops) log()->append(s, count);
   } catch (const OutputError& error) {
     fail(error.what());
   }
@@ -291,7 +328,7 @@ std::vector<SensorStatus> Spool::status(double period_s) {
     }
     all.push_back({sensor.description.name, sensor.bodies.stored, sensor.depth.stored,
                    sensor.stored_drops.at_source, sensor.stored_drops.in_queue, slowest_hz.value_or(0.0),
-                   std::exchange(sensor.newest_bodies, {})});
+                   std::exchange(sensor.newest_bodies, {}), sensor.description.intrinsics});
   }
   return all;
 }
@@ -304,6 +341,13 @@ std::vector<std::string> Spool::take_notices() {
 std::size_t Spool::waiting_bytes() const {
   const std::lock_guard lock(mutex_);
   return waiting_bytes_;
+}
+
+std::uint64_t Spool::frames() const {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t frames = 0;
+  for (const Sensor& sensor : sensors_) frames += sensor.bodies.stored + sensor.depth.stored;
+  return frames;
 }
 
 std::string Spool::source_problem() const {

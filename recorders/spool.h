@@ -24,6 +24,7 @@ struct SensorStatus {
   std::int64_t lost_at_source = 0, lost_in_queue = 0;  // the latter also torn ones and impossible times
   double rate_hz = 0.0;  // frames a second since the last status, of the slower of its streams
   std::optional<BodyFrame> newest_bodies = {};  // since the last status
+  DepthIntrinsics intrinsics = {};
 };
 
 struct SpoolOptions {
@@ -40,13 +41,20 @@ SessionHeader joint_header(const std::vector<std::unique_ptr<FrameSource>>& sour
 // finds no room is dropped and counted. A source that breaks is a notice, and the others go on.
 class Spool {
  public:
-  Spool(const std::vector<std::unique_ptr<FrameSource>>& sources, EventLogWriter& log, SpoolOptions options);
+  Spool(const std::vector<std::unique_ptr<FrameSource>>& sources, std::shared_ptr<EventLogWriter> log,
+        SpoolOptions options = {});
   ~Spool();
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
 
   // Asks the sources to end.
   void stop();
+  // From now on events go into another log; the one before is no longer used when this returns.
+  void go_on_in(std::shared_ptr<EventLogWriter> log);
+  // While the disk is full, frames are dropped and counted.
+  void set_disk_full(bool full);
+  // Any thread.
+  void add_exchange(const ClockExchange& exchange);
   // Waits a moment at most; true once all that came is in the log, or the log failed.
   bool wait_for_end(std::chrono::milliseconds patience);
   // Reports and stores which streams are silent and what was lost; a few times a second.
@@ -59,6 +67,7 @@ class Spool {
   // What was reported since it was last asked, each with its sensor's name in front.
   std::vector<std::string> take_notices();
   std::size_t waiting_bytes() const;
+  std::uint64_t frames() const;        // in the log or logs
   std::string source_problem() const;  // of the first source that broke before it ended; else empty
   std::string log_problem() const;     // what the disk said; else empty
 
@@ -92,14 +101,16 @@ class Spool {
   void store(std::size_t sensor, SourceEvent event);
   void notice(std::size_t sensor, const std::string& text);
   void fail(const std::string& problem);
+  std::shared_ptr<EventLogWriter> log() const;
 
   const std::vector<std::unique_ptr<FrameSource>>& sources_;
-  EventLogWriter& log_;
+  std::shared_ptr<EventLogWriter> log_;  // under the mutex
   SpoolOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Sensor> sensors_;
   std::size_t waiting_bytes_ = 0, running_sources_, working_;
+  bool disk_full_ = false;
   std::string source_problem_, log_problem_;
   std::vector<std::string> notices_;
   std::vector<std::thread> threads_;  // the last: they use all of the above

@@ -12,6 +12,8 @@
 #ifdef _WIN32
 #include <io.h>
 #include <share.h>
+#include <windows.h>
+#include <winioctl.h>
 #else
 #include <sys/file.h>
 #include <unistd.h>
@@ -38,6 +40,14 @@ int write_some(int file, const void* data, std::size_t size) {
   return _write(file, data, static_cast<unsigned>(std::min<std::size_t>(size, 1u << 20)));
 }
 void close_file(int file) { _close(file); }
+void release_to(int file, std::uint64_t bytes) {
+  const auto handle = reinterpret_cast<HANDLE>(_get_osfhandle(file));
+  DWORD unused = 0;
+  FILE_ZERO_DATA_INFORMATION range{};
+  range.BeyondFinalZero.QuadPart = static_cast<LONGLONG>(bytes);
+  ::DeviceIoControl(handle, FSCTL_SET_SPARSE, nullptr, 0, nullptr, 0, &unused, nullptr);
+  ::DeviceIoControl(handle, FSCTL_SET_ZERO_DATA, &range, sizeof range, nullptr, 0, &unused, nullptr);
+}
 #else
 int open_locked(const std::filesystem::path& path, bool create) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | (create ? O_CREAT | O_EXCL : 0), 0600);
@@ -53,6 +63,9 @@ bool seek_to_end(int file) { return ::lseek(file, 0, SEEK_END) >= 0; }
 bool sync_now(int file) { return ::fdatasync(file) == 0; }
 ssize_t write_some(int file, const void* data, std::size_t size) { return ::write(file, data, size); }
 void close_file(int file) { ::close(file); }
+void release_to(int file, std::uint64_t bytes) {
+  (void)::fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes));
+}
 #endif
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const char* what) {
@@ -87,6 +100,10 @@ void AppendFile::append(std::span<const std::byte> bytes) {
 
 void AppendFile::sync() {
   if (!sync_now(file_)) refuse(path_, "put on the disk");
+}
+
+void AppendFile::release(std::uint64_t bytes) noexcept {
+  if (bytes > 0) release_to(file_, bytes);
 }
 
 bool is_being_written(const std::filesystem::path& path) {

@@ -22,6 +22,8 @@ class AppendFile {
 
   void append(std::span<const std::byte> bytes);
   void sync();  // waits until all is on the disk
+  // Gives the room of the first `bytes` back to the disk, where the file system can; they read as zeros then.
+  void release(std::uint64_t bytes) noexcept;
 
   const std::filesystem::path& path() const { return path_; }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include <zlib.h>
@@ -46,7 +47,9 @@ struct EndRecord {
 
 void pass(auto& bytes, Is<LogHead> auto& head) {
   bytes.number(head.id);
+  bytes.number(head.recording);
   bytes.number(head.start_ns);
+  bytes.number(head.start_unix_ns);
   bytes.text(head.agent, kMaxNameBytes);
   bytes.flag(head.session.simulated);
   bytes.text(head.session.started_utc, kMaxTextBytes);
@@ -151,12 +154,27 @@ Look look_at(std::span<const std::byte> bytes, std::size_t& size) {
 }
 
 bool is_believable(const LogHead& head) {
-  return !head.session.sensors.empty() && std::ranges::all_of(head.session.sensors, [](const auto& sensor) {
-    return refusal_of(sensor).empty();
-  });
+  return std::ranges::all_of(head.session.sensors,
+                             [](const auto& sensor) { return refusal_of(sensor).empty(); });
 }
 
 }  // namespace
+
+LogHead new_log_head(const SessionHeader& session, std::uint64_t recording, const std::string& agent) {
+  const auto since_epoch = [](auto now) {
+    return std::int64_t{std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count()};
+  };
+  std::random_device device;
+  return {
+      std::uint64_t{device()} << 32 | device(),      recording, since_epoch(std::chrono::steady_clock::now()),
+      since_epoch(std::chrono::system_clock::now()), agent,     session};
+}
+
+LogScanner::LogScanner(std::string place, TakeEvent take, LogHead head, std::uint64_t offset)
+    : place_(std::move(place)), take_(std::move(take)), has_magic_(true), has_head_(true), offset_(offset) {
+  summary_.head = std::move(head);
+  summary_.end = offset;
+}
 
 void LogScanner::feed(std::span<const std::byte> bytes) {
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
@@ -266,9 +284,8 @@ LogHead head_of_event_log(const std::filesystem::path& path) {
 
 namespace {
 
-// Offset behind the last whole record, by the records that follow the first mark of the log `id` at or behind
-// `from`; 0 when there is no such mark.
-std::uint64_t end_behind_mark(std::ifstream& file, std::uint64_t from) {
+// The end by the records that follow the first mark at or behind `from`; offset 0 when there is no such mark.
+LogEnd end_behind_mark(std::ifstream& file, std::uint64_t from) {
   file.clear();
   file.seekg(static_cast<std::streamoff>(from));
   std::vector<std::byte> bytes;
@@ -277,17 +294,18 @@ std::uint64_t end_behind_mark(std::ifstream& file, std::uint64_t from) {
     const auto read = std::as_bytes(std::span(block).first(static_cast<std::size_t>(file.gcount())));
     bytes.insert(bytes.end(), read.begin(), read.end());
   }
-  std::uint64_t end = 0;
+  LogEnd end;
   for (std::size_t at = 0; at < bytes.size();) {
     std::size_t size = 0;
     const auto rest = std::span<const std::byte>(bytes).subspan(at);
     const bool is_whole = look_at(rest, size) == Look::whole;
-    if (is_whole && end == 0 && std::to_integer<std::uint8_t>(rest[4]) == kMarkRecord) {
+    const auto type = is_whole ? std::to_integer<std::uint8_t>(rest[4]) : std::uint8_t{0};
+    if (end.offset == 0 && type == kMarkRecord) {
       const auto mark = value_of<MarkRecord>(rest.subspan(kRecordHead, size - kRecordFrame));
-      if (mark && mark->offset == from + at) end = from + at;
+      if (mark && mark->offset == from + at) end.offset = from + at;
     }
-    const bool is_taken = is_whole && end != 0;
-    if (is_taken) end = from + at + size;
+    const bool is_taken = is_whole && end.offset != 0;
+    if (is_taken) end = {from + at + size, type == kEndRecord};
     at += is_taken ? size : 1;
   }
   return end;
@@ -295,17 +313,18 @@ std::uint64_t end_behind_mark(std::ifstream& file, std::uint64_t from) {
 
 }  // namespace
 
-std::uint64_t end_of_event_log(const std::filesystem::path& path) {
+LogEnd end_of_event_log(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path.string(), "cannot be read");
   constexpr std::uint64_t kTail = kMarkPeriod + 2 * kMaxPayload;
   const std::uint64_t size = std::filesystem::file_size(path);
   if (size > kTail)
-    if (const std::uint64_t end = end_behind_mark(file, size - kTail)) return end;
+    if (const LogEnd end = end_behind_mark(file, size - kTail); end.offset != 0) return end;
   try {
-    return read_event_log(path, [](std::size_t, LogEvent&&) {}).end;
+    const LogSummary log = read_event_log(path, [](std::size_t, LogEvent&&) {});
+    return {log.end, log.finished};
   } catch (const InputError&) {
-    return 0;
+    return {};
   }
 }
 

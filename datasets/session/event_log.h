@@ -23,13 +23,19 @@ namespace trilat {
 
 using LogEvent = std::variant<BodyFrame, EncodedDepthFrame, ClockExchange, DropCount, SensorNotice>;
 
-// First record of a log. `sensors` are counted from 0 in the records.
+// First record of a log. `session.sensors` are counted from 0 in the records.
 struct LogHead {
-  std::uint64_t id = 0;       // one for each run of a recorder or agent
-  std::int64_t start_ns = 0;  // monotonic clock of the machine that writes the log
-  std::string agent;          // name of the agent that wrote it; empty for a recorder
+  std::uint64_t id = 0;            // one for each log
+  std::uint64_t recording = 0;     // id of the recording that it is part of; 0: of none
+  std::int64_t start_ns = 0;       // monotonic clock of the machine that writes the log
+  std::int64_t start_unix_ns = 0;  // its wall clock at the same time
+  std::string agent;               // name of the agent that wrote it; empty for a recorder
   SessionHeader session;
 };
+
+// Head of a log that begins now, with a new id.
+LogHead new_log_head(const SessionHeader& session, std::uint64_t recording = 0,
+                     const std::string& agent = {});
 
 // Bytes of a log that are not what was written, or not whole.
 struct LogGap {
@@ -58,6 +64,8 @@ using TakeEvent = std::function<void(std::size_t sensor, LogEvent&& event)>;
 class LogScanner {
  public:
   LogScanner(std::string place, TakeEvent take) : place_(std::move(place)), take_(std::move(take)) {}
+  // Goes on behind the first `offset` bytes of a log with this head, which end with a whole record.
+  LogScanner(std::string place, TakeEvent take, LogHead head, std::uint64_t offset);
   void feed(std::span<const std::byte> bytes);
   // No more will come: decides what the last bytes are. InputError when not even the head was whole.
   const LogSummary& finish();
@@ -87,9 +95,14 @@ LogSummary read_event_log(const std::filesystem::path& path, const TakeEvent& ta
 // The first record of a log. InputError as in read_event_log().
 LogHead head_of_event_log(const std::filesystem::path& path);
 
-// Offset behind the last whole record of a log, found from its end: reads little more than the bytes behind
-// its last mark, which are at most 64 MB. 0 when not even its head is whole.
-std::uint64_t end_of_event_log(const std::filesystem::path& path);
+struct LogEnd {
+  std::uint64_t offset = 0;  // behind the last whole record; 0 when not even the head is whole
+  bool finished = false;     // that is the end in order
+};
+
+// Found from the end of the file: reads little more than the bytes behind its last mark, which are at most 64
+// MB.
+LogEnd end_of_event_log(const std::filesystem::path& path);
 
 // Writes a new log. A thread of its own puts what was appended into the file at least every 50 ms and on the
 // disk once a second. After an OutputError nothing more is written; what was synced stays.
@@ -106,6 +119,9 @@ class EventLogWriter {
   // Marks the log as ended in order and puts it on the disk. `problem`: why the source ended, where that
   // broke.
   void finish(const std::string& problem = {});
+
+  // Gives the room of the first `bytes` of the file back to the disk.
+  void release(std::uint64_t bytes) noexcept { file_.release(bytes); }
 
   std::uint64_t written_bytes() const;  // may be read from the file
   std::uint64_t synced_bytes() const;   // are on the disk

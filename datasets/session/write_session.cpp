@@ -2,6 +2,8 @@
 #include "datasets/session/write_session.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,58 +16,154 @@
 namespace trilat {
 namespace {
 
-// The sensors of all logs one behind the other; simulated where one of them is.
-SessionHeader joint_header(const std::vector<LogHead>& heads) {
-  SessionHeader header = heads.at(0).session;
-  for (std::size_t i = 1; i < heads.size(); ++i) {
-    const SessionHeader& more = heads[i].session;
+struct OpenedLog {
+  LogInput input;
+  LogHead head;
+  std::vector<std::size_t> sensors;  // of the session, by the log's own
+};
+
+// Nanoseconds since 1970 by the wall clock that the log began with.
+std::int64_t unix_ns(const LogHead& head, std::int64_t monotonic_ns) {
+  return head.start_unix_ns + (monotonic_ns - head.start_ns);
+}
+
+// The logs in the order of their beginning.
+std::vector<OpenedLog> opened(const std::vector<LogInput>& inputs) {
+  std::vector<OpenedLog> logs;
+  for (const LogInput& input : inputs) {
+    const std::string place = input.path.string();
+    if (is_being_written(input.path))
+      throw InputError(
+          place,
+          "is being written by a recording that still runs: end that first (Ctrl-C, or `kill -INT` "
+          "its process)");
+    logs.push_back({input, head_of_event_log(input.path), {}});
+    for (std::size_t i = 0; i + 1 < logs.size(); ++i)
+      if (logs[i].head.id == logs.back().head.id)
+        throw InputError(place, "is the same log as " + logs[i].input.path.string() + "; give it once");
+  }
+  std::ranges::stable_sort(logs, {}, [](const OpenedLog& log) { return log.head.start_unix_ns; });
+  return logs;
+}
+
+std::string name_in_session(const LogHead& head, std::size_t sensor) {
+  if (head.agent.empty()) return head.session.sensors[sensor].name;
+  return head.agent + (head.session.sensors.size() > 1 ? "-" + std::to_string(sensor + 1) : "");
+}
+
+bool are_of_one_source(const LogHead& a, const LogHead& b) {
+  return a.agent.empty() ? b.agent.empty() && a.recording != 0 && a.recording == b.recording
+                         : a.agent == b.agent;
+}
+
+// The sensors of all logs, those of one source once; simulated where one log is. Fills in where each log's
+// sensors are.
+SessionHeader joint_header(std::vector<OpenedLog>& logs) {
+  SessionHeader header;
+  std::vector<const LogHead*> owners;  // by sensor of the session
+  for (OpenedLog& log : logs) {
+    const SessionHeader& more = log.head.session;
     header.simulated = header.simulated || more.simulated;
-    if (more.note != header.note) header.note += (header.note.empty() ? "" : "; ") + more.note;
-    header.sensors.insert(header.sensors.end(), more.sensors.begin(), more.sensors.end());
+    if (header.started_utc.empty()) header.started_utc = more.started_utc;
+    if (header.note.find(more.note) == std::string::npos)
+      header.note += (header.note.empty() ? "" : "; ") + more.note;
+    for (std::size_t s = 0; s < more.sensors.size(); ++s) {
+      SensorDescription sensor = more.sensors[s];
+      sensor.name = name_in_session(log.head, s);
+      std::size_t at = 0;
+      while (at < owners.size() &&
+             !(header.sensors[at].name == sensor.name && are_of_one_source(*owners[at], log.head)))
+        ++at;
+      log.sensors.push_back(at);
+      if (at < owners.size()) continue;
+      header.sensors.push_back(sensor);
+      owners.push_back(&log.head);
+    }
   }
   return header;
 }
 
-std::vector<LogHead> heads_of(const std::vector<std::filesystem::path>& logs) {
-  std::vector<LogHead> heads;
-  for (const std::filesystem::path& path : logs) {
-    if (is_being_written(path))
-      throw InputError(path.string(),
-                       "is being written by a recording that still runs: end that first (Ctrl-C, or "
-                       "`kill -INT` its process)");
-    heads.push_back(head_of_event_log(path));
-    for (std::size_t i = 0; i + 1 < heads.size(); ++i)
-      if (heads[i].id == heads.back().id)
-        throw InputError(path.string(), "is the same log as " + logs[i].string() + "; give it once");
-  }
-  return heads;
-}
+// Last frame of a stream of a sensor.
+struct StreamEnd {
+  std::int64_t unix_ns = 0;
+  std::uint64_t log = 0;  // its id
+};
 
-// Events of one log into the session, where its first sensor has the index `first`.
+// A sensor of the session while logs are written one after the other.
+struct JoinedSensor {
+  StreamEnd bodies, depth;
+  DropCount before{};              // lost in and between the logs before the present one
+  std::int64_t shift_ns = 0;       // on the monotonic clock of the present log gives that of the first
+  const LogHead* first = nullptr;  // log
+};
+
+// Events of the logs into the session.
 class LogCopy {
  public:
-  LogCopy(SessionWriter& to, const SessionHeader& header, std::size_t first,
-          std::vector<SensorWritten>& written)
-      : to_(to), header_(header), first_(first), written_(written) {}
+  LogCopy(SessionWriter& to, const SessionHeader& header, std::vector<SensorWritten>& written)
+      : to_(to), header_(header), written_(written), joined_(header.sensors.size()) {}
 
+  void begin(const OpenedLog& log) {
+    log_ = &log;
+    for (const std::size_t s : log.sensors) {
+      JoinedSensor& joined = joined_[s];
+      if (!joined.first) joined.first = &log.head;
+      joined.before = written_[s].drops;
+      // a machine that was started anew has another monotonic clock
+      const std::int64_t shift = unix_ns(log.head, 0) - unix_ns(*joined.first, 0);
+      constexpr std::int64_t kClockStep_ns = 60'000'000'000;
+      joined.shift_ns = std::abs(shift) > kClockStep_ns ? shift : 0;
+    }
+  }
   void take(std::size_t sensor, LogEvent&& event) {
-    const std::size_t s = first_ + sensor;
-    std::visit([&](auto& data) { add(s, data); }, event);
+    std::visit([&](auto& data) { add(log_->sensors[sensor], data); }, event);
+  }
+  // Frames that are known to be missing behind the present log's end.
+  void add_missing() {
+    if (log_->input.missing_frames == 0 || log_->sensors.empty()) return;
+    DropCount& drops = written_[log_->sensors[0]].drops;
+    drops.in_queue += log_->input.missing_frames;
+    to_.add_drop_count(log_->sensors[0], drops);
   }
 
  private:
-  bool is_believable(std::size_t s, const FrameStamp& stamp) {
-    const bool believable = is_plausible(stamp, header_.sensors[s].tick_ns);
-    if (!believable) ++written_[s].left_out;
-    return believable;
+  bool is_believable(std::size_t s, FrameStamp& stamp, StreamEnd& end) {
+    if (!is_plausible(stamp, header_.sensors[s].tick_ns)) {
+      ++written_[s].left_out;
+      return false;
+    }
+    count_gap(s, unix_ns(log_->head, stamp.arrival_ns), end);
+    stamp.arrival_ns += joined_[s].shift_ns;
+    return true;
+  }
+  // Counts what was not recorded between two logs of a sensor as lost at the source.
+  void count_gap(std::size_t s, std::int64_t now_unix_ns, StreamEnd& end) {
+    constexpr double kOverlap_s = 1.0;  // clocks are corrected meanwhile
+    if (end.log != 0 && end.log != log_->head.id) {
+      const double gap_s = 1e-9 * static_cast<double>(now_unix_ns - end.unix_ns);
+      if (gap_s < -kOverlap_s)
+        throw InputError(
+            log_->input.path.string(),
+            fmt::format("overlaps with another log of {} by {:.1f} s; join those that follow each other",
+                        header_.sensors[s].name, -gap_s));
+      const auto frames =
+          static_cast<std::int64_t>(std::lround(gap_s * header_.sensors[s].nominal_rate_hz)) - 1;
+      if (frames > 0) {
+        joined_[s].before.at_source += frames;
+        written_[s].drops.at_source += frames;
+        to_.add_drop_count(s, written_[s].drops);
+        to_.add_notice(s, {0, fmt::format("{:.1f} s between two logs were not recorded", gap_s)});
+      }
+    }
+    end = {now_unix_ns, log_->head.id};
   }
   void add(std::size_t s, BodyFrame& frame) {
-    if (!is_believable(s, frame.stamp)) return;
+    if (!is_believable(s, frame.stamp, joined_[s].bodies)) return;
     to_.add_body_frame(s, frame);
     ++written_[s].body_frames;
   }
   void add(std::size_t s, EncodedDepthFrame& frame) {
-    if (!is_believable(s, frame.stamp)) return;
+    if (!is_believable(s, frame.stamp, joined_[s].depth)) return;
     try {
       if (!header_.sensors[s].has_depth) throw InputError("a depth frame", "is of a sensor without depth");
       to_.add_depth_frame(s, frame);
@@ -78,19 +176,23 @@ class LogCopy {
   }
   void add(std::size_t s, ClockExchange& exchange) {
     if (!is_plausible(exchange)) return;
+    exchange.t2_ns += joined_[s].shift_ns;
+    exchange.t3_ns += joined_[s].shift_ns;
     to_.add_clock_exchange(s, exchange);
     ++written_[s].clock_exchanges;
   }
   void add(std::size_t s, DropCount& count) {
-    to_.add_drop_count(s, count);
-    written_[s].drops = count;
+    const DropCount& before = joined_[s].before;
+    written_[s].drops = {count.host_ns, before.at_source + count.at_source, before.in_queue + count.in_queue};
+    to_.add_drop_count(s, written_[s].drops);
   }
   void add(std::size_t s, SensorNotice& notice) { to_.add_notice(s, notice); }
 
   SessionWriter& to_;
   const SessionHeader& header_;
-  std::size_t first_;
   std::vector<SensorWritten>& written_;
+  std::vector<JoinedSensor> joined_;
+  const OpenedLog* log_ = nullptr;
 };
 
 // What a person should know of how this log was read; empty where all is whole.
@@ -118,26 +220,25 @@ bool LogsWritten::whole() const {
          std::ranges::all_of(sensors, [](const SensorWritten& sensor) { return sensor.left_out == 0; });
 }
 
-LogsWritten write_session(const std::vector<std::filesystem::path>& logs, const std::filesystem::path& output,
+LogsWritten write_session(const std::vector<LogInput>& inputs, const std::filesystem::path& output,
                           const std::function<bool(double)>& progress) {
   check_output_file(output);
-  const std::vector<LogHead> heads = heads_of(logs);
-  const SessionHeader header = joint_header(heads);
+  std::vector<OpenedLog> logs = opened(inputs);
+  const SessionHeader header = joint_header(logs);
   LogsWritten result;
   for (const SensorDescription& sensor : header.sensors) result.sensors.emplace_back().name = sensor.name;
   SessionWriter writer(output, header);
-  std::size_t first = 0;
+  LogCopy copy(writer, header, result.sensors);
   for (std::size_t i = 0; i < logs.size(); ++i) {
-    LogCopy copy(writer, header, first, result.sensors);
+    copy.begin(logs[i]);
     const auto part = [&](double share) {
       return !progress || progress((static_cast<double>(i) + share) / static_cast<double>(logs.size()));
     };
-    result.logs.push_back(read_event_log(
-        logs[i], [&](std::size_t s, LogEvent&& event) { copy.take(s, std::move(event)); }, part));
-    const std::size_t sensors = heads[i].session.sensors.size();
+    const auto take = [&](std::size_t sensor, LogEvent&& event) { copy.take(sensor, std::move(event)); };
+    result.logs.push_back(read_event_log(logs[i].input.path, take, part));
+    copy.add_missing();
     if (const std::string state = state_of(result.logs.back()); !state.empty())
-      for (std::size_t s = 0; s < sensors; ++s) writer.add_notice(first + s, {0, state});
-    first += sensors;
+      for (const std::size_t s : logs[i].sensors) writer.add_notice(s, {0, state});
   }
   writer.finish();
   return result;
@@ -166,24 +267,30 @@ void read_all(const SessionReader& session, const std::function<bool(double)>& p
 
 }  // namespace
 
-std::string close_recording(const std::vector<std::filesystem::path>& logs,
-                            const std::filesystem::path& output,
-                            const std::function<bool(double)>& progress) {
+LogsWritten close_recording(const std::vector<LogInput>& logs, const std::filesystem::path& output,
+                            std::string& left, const std::function<bool(double)>& progress) {
   const auto part = [&](double from, double share) { return !progress || progress(from + 0.5 * share); };
   const LogsWritten written = write_session(logs, output, [&](double share) { return part(0.0, share); });
-  if (!written.whole()) return "not all of the log could be read back";
+  left = "not all of the log could be read back";
+  for (const LogSummary& log : written.logs)
+    if (log.gap_count > 0) return written;
+  if (std::ranges::any_of(written.sensors, [](const SensorWritten& sensor) { return sensor.left_out > 0; }))
+    return written;
   try {
     const SessionReader session(output);
-    for (std::size_t s = 0; s < written.sensors.size(); ++s)
-      if (session.counts(s).body_frames != written.sensors[s].body_frames ||
-          session.counts(s).depth_frames != written.sensors[s].depth_frames)
-        return output.string() + " does not hold all frames of the log";
+    for (const SensorWritten& sensor : written.sensors) {
+      const SensorCounts& counts = session.counts(session.sensor_index(sensor.name));
+      if (counts.body_frames != sensor.body_frames || counts.depth_frames != sensor.depth_frames)
+        throw InputError(output.string(), "does not hold all frames of the log");
+    }
     read_all(session, [&](double share) { return part(0.5, share); });
   } catch (const InputError& error) {
-    return error.what();
+    left = error.what();
+    return written;
   }
-  for (const std::filesystem::path& log : logs) std::filesystem::remove(log);
-  return {};
+  for (const LogInput& log : logs) std::filesystem::remove(log.path);
+  left.clear();
+  return written;
 }
 
 }  // namespace trilat

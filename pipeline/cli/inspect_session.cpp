@@ -416,7 +416,7 @@ int recover_logs(const std::vector<std::filesystem::path>& logs, const RecoverAr
   LogsWritten written;
   {
     Progress progress("recovering " + output.filename().string());
-    written = write_session(logs, output, [&](double share) {
+    written = write_session({logs.begin(), logs.end()}, output, [&](double share) {
       progress.set(share);
       return !stop_requested();
     });
@@ -434,13 +434,22 @@ int recover_logs(const std::vector<std::filesystem::path>& logs, const RecoverAr
 }
 
 int recover(const RecoverArguments& arguments) {
+  RecoverArguments found = arguments;
   std::vector<std::filesystem::path> left;
-  for (const std::filesystem::path& path : arguments.left) left.push_back(found_session(path));
-  if (std::ranges::all_of(left, is_log)) return recover_logs(left, arguments);
+  for (const std::filesystem::path& path : arguments.left) {
+    const auto logs = std::filesystem::exists(path) ? std::vector{path} : logs_beside(path);
+    if (logs.empty()) {
+      left.push_back(found_session(path));
+    } else {
+      if (found.output.empty() && logs.front() != path) found.output = path;
+      left.insert(left.end(), logs.begin(), logs.end());
+    }
+  }
+  if (std::ranges::all_of(left, is_log)) return recover_logs(left, found);
   if (left.size() > 1)
     throw InputError(std::ranges::find_if_not(left, is_log)->string(),
                      "is no log; several logs are joined, or one session is recovered");
-  return recover_session_file(left.front(), arguments);
+  return recover_session_file(left.front(), found);
 }
 
 }  // namespace

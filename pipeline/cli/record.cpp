@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // `trilat record`.
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
@@ -9,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/chrono.h>
@@ -26,7 +29,7 @@
 #include "pipeline/simulate/simulate_take.h"
 #include "recorders/capture.h"
 #include "recorders/frame_source.h"
-#include "recorders/network/network_source.h"
+#include "recorders/link/byte_stream.h"
 #include "recorders/open_source.h"
 
 namespace trilat {
@@ -35,10 +38,8 @@ namespace {
 struct RecordArguments {
   std::vector<std::string> sources;
   std::string listen;  // HOST:PORT, or empty
-  std::size_t agents = 1;
+  std::size_t agents = 0;
   double wait_s = 60.0;
-  std::string keys;
-  bool plain_text = false;
   std::filesystem::path output;
   double duration_s = 0.0;
   bool preview = false;
@@ -189,20 +190,16 @@ void print_summary(const CaptureSummary& summary, const std::filesystem::path& f
   if (summary.end == CaptureEnd::disk_full) fmt::print("ended because the disk is nearly full\n");
 }
 
-// Listens and waits until all agents are there.
-std::unique_ptr<FrameSource> agents_of(const RecordArguments& arguments, LiveDisplay& display) {
-  ListenOptions options;
-  options.address = parse_address(arguments.listen);
-  if (!arguments.keys.empty()) options.keys = read_tls_keys(arguments.keys);
-  options.allow_plain_text = arguments.plain_text;
-  options.on_refusal = [&display](const std::string& refusal) { display.say(refusal); };
-  auto source = std::make_unique<NetworkSource>(options);
-  display.say(fmt::format("listening on port {}; waiting for {} agent{}", source->port(), arguments.agents,
-                          arguments.agents == 1 ? "" : "s"));
-  source->wait_for_agents(arguments.agents,
-                          std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * arguments.wait_s)),
-                          stop_requested);
-  return source;
+// Where agents connect: this user's socket, which `trilat receive` leads to, or a port of this machine.
+std::unique_ptr<StreamListener> listener_of(const RecordArguments& arguments, LiveDisplay& display) {
+  auto listener = arguments.listen.empty()
+                      ? std::make_unique<StreamListener>(receive_socket())
+                      : std::make_unique<StreamListener>(parse_address(arguments.listen));
+  display.say(fmt::format("{}; waiting for {} agent{}",
+                          arguments.listen.empty() ? "taking what `trilat receive` brings"
+                                                   : fmt::format("listening on port {}", listener->port()),
+                          arguments.agents, arguments.agents == 1 ? "" : "s"));
+  return listener;
 }
 
 // For how long there is room; OutputError where there is none.
@@ -227,8 +224,9 @@ OutputMark truth_mark(const RecordArguments& arguments) {
 }
 
 int record_session(const RecordArguments& arguments) {
-  if (arguments.sources.empty() && arguments.listen.empty())
-    throw InputError("--source", "is missing, and so is --listen; a source may be " + source_help());
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads what is shown may go
+  if (arguments.sources.empty() && arguments.agents == 0)
+    throw InputError("--source", "is missing, and so is --agents; a source may be " + source_help());
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
     throw InputError("--preview", "draws on a terminal, and stderr is none");
   if (!arguments.calibration.empty() && !arguments.preview)
@@ -236,15 +234,10 @@ int record_session(const RecordArguments& arguments) {
                      "is for --preview, which draws the person whom all sensors see together");
   const Calibration calibration =
       arguments.calibration.empty() ? Calibration{} : read_calibration(arguments.calibration);
-  const std::string room = room_for(arguments.output);
+  std::string room = room_for(arguments.output);
   if (!arguments.truth.empty())
     check_output_folder({arguments.truth, {}, arguments.force}, truth_mark(arguments));
   check_output_file({arguments.output, {}, arguments.force});
-  if (const std::filesystem::path log = log_name(arguments.output); std::filesystem::exists(log))
-    throw InputError(log.string(), is_being_written(log)
-                                       ? "is being written by another recorder; take another name"
-                                       : "exists, of a recorder that was killed: `trilat recover " +
-                                             log.string() + "`, or take another name");
   if (!arguments.truth.empty()) {
     write_truth(arguments.sources, arguments.truth, arguments.duration_s);
     mark_output(arguments.truth, truth_mark(arguments));
@@ -252,23 +245,25 @@ int record_session(const RecordArguments& arguments) {
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
   LiveDisplay display;
-  display.say(room);
-  if (!arguments.listen.empty()) sources.push_back(agents_of(arguments, display));
   if (!arguments.truth.empty()) write_campaign_of(*sources.front(), arguments.output, arguments.truth);
   std::optional<SkeletonPreview> preview;
   if (arguments.preview && arguments.calibration.empty())
-    preview.emplace(sources);
+    preview.emplace();
   else if (arguments.preview)
-    preview.emplace(sources, calibration, arguments.calibration.string());
+    preview.emplace(calibration, arguments.calibration.string());
   CaptureOptions options;
   options.started_utc = utc_now();
   options.duration_s = arguments.duration_s;
+  options.agents = arguments.agents;
+  options.listen = [&] { return listener_of(arguments, display); };
+  options.wait_s = arguments.wait_s;
   options.stop_requested = stop_requested;
   options.on_notice = [&](const std::string& text) { display.say(text); };
   options.on_status = [&](const CaptureStatus& status) {
+    if (!room.empty()) display.say(std::exchange(room, {}));
     if (preview)
       for (const SensorStatus& sensor : status.sensors)
-        if (sensor.newest_bodies) preview->see(sensor.name, *sensor.newest_bodies);
+        if (sensor.newest_bodies) preview->see(sensor.name, sensor.intrinsics, *sensor.newest_bodies);
     display.show(status, preview ? preview->picture() : "");
   };
   std::optional<Progress> progress;
@@ -297,19 +292,18 @@ void add_record(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<RecordArguments>(app, code, "record",
                                              "sensors to a session; Ctrl-C ends it in order", record_session);
   verb.add_option("--source", a.sources, source_help() + "; may be repeated");
-  auto* listen = verb.add_option("--listen", a.listen,
-                                 "HOST:PORT where agents on other computers connect (`trilat-agent --help`)");
-  verb.add_option("--agents", a.agents, "the recording begins when so many are there")
-      ->check(CLI::Range(1, 64))
-      ->needs(listen)
-      ->capture_default_str();
+  verb.add_option("--agents", a.agents,
+                  "how many other computers send a sensor: `trilat-agent run --recorder USER@HOST` there")
+      ->check(CLI::Range(1, 64));
+  verb.add_option("--listen", a.listen,
+                  "127.0.0.1:PORT where agents connect, as a tunnel's end, in place of SSH")
+      ->each([&a](const std::string&) { a.agents = std::max<std::size_t>(a.agents, 1); });
   verb.add_option("--wait-s", a.wait_s, "how long to wait for them")
       ->check(CLI::PositiveNumber)
-      ->needs(listen)
       ->capture_default_str();
-  verb.add_option("--keys", a.keys, "recorder.keys, as made by `trilat-agent keys`")->needs(listen);
-  verb.add_flag("--plain-text", a.plain_text, "without keys: let everybody on the way read and write")
-      ->needs(listen);
+  for (const char* option : {"--keys", "--plain-text"})
+    removed_option(verb, option,
+                   "agents reach this recorder through SSH (`trilat-agent run --recorder USER@HOST`)");
   verb.add_option("-o,--output", a.output, "session.h5")->required();
   verb.add_option("--duration-s", a.duration_s, "ends after so long; 0: when somebody stops it")
       ->check(CLI::NonNegativeNumber)
@@ -327,7 +321,35 @@ void add_record(CLI::App& app, int& code) {
   verb.footer(
       "Examples:\n"
       "  trilat record --source synthetic:4 --duration-s 20 -o session.h5\n"
-      "  trilat record --listen 0.0.0.0:7345 --agents 4 --keys keys/recorder.keys -o session.h5");
+      "  trilat record --agents 4 -o session.h5");
+}
+
+namespace {
+
+struct ReceiveArguments {};
+
+// Between standard input and output, as SSH carries them, and the recorder of this user.
+int receive(const ReceiveArguments&) {
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    const auto recorder = connect_local(receive_socket()), agent = standard_stream();
+    join_streams(*agent, *recorder);
+  } catch (const LinkLost& lost) {
+    throw InputError("trilat receive",
+                     std::string("finds no recorder of this user that waits for agents (`trilat record "
+                                 "--agents N`): ") +
+                         lost.what());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_receive(CLI::App& app, int& code) {
+  add_verb<ReceiveArguments>(
+      app, code, "receive",
+      "carry an agent's bytes, on standard input and output, to the recorder of this user; for SSH", receive,
+      Ends::at_once);
 }
 
 }  // namespace trilat

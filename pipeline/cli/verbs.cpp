@@ -31,9 +31,10 @@ namespace {
 
 using AddVerb = void (*)(CLI::App& app, int& code);
 // In the order of --help.
-constexpr AddVerb kVerbs[] = {add_demo,    add_init,      add_simulate, add_run,    add_report, add_reproduce,
-                              add_compare, add_calibrate, add_gate,     add_record, add_info,   add_verify,
-                              add_recover, add_draw,      add_fuse,     add_schema};
+constexpr AddVerb kVerbs[] = {add_demo,      add_init,    add_simulate,  add_run,     add_report,
+                              add_reproduce, add_compare, add_calibrate, add_gate,    add_record,
+                              add_receive,   add_info,    add_verify,    add_recover, add_draw,
+                              add_fuse,      add_schema};
 
 [[noreturn]] void refuse_verb(const CLI::App& app, const std::string& given) {
   std::vector<std::string> verbs;
@@ -113,6 +114,7 @@ bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0;
 void end_in_order() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  std::signal(SIGHUP, on_signal);  // a terminal that is closed
 }
 
 void add_json(CLI::App& verb, bool& json) {

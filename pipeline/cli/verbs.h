@@ -68,6 +68,7 @@ void add_fuse(CLI::App& app, int& code);
 void add_gate(CLI::App& app, int& code);
 void add_info(CLI::App& app, int& code);
 void add_init(CLI::App& app, int& code);
+void add_receive(CLI::App& app, int& code);
 void add_record(CLI::App& app, int& code);
 void add_recover(CLI::App& app, int& code);
 void add_report(CLI::App& app, int& code);

@@ -1,97 +1,200 @@
 // SPDX-License-Identifier: MIT
+// trilat-agent, on Linux and Windows.
+#include <atomic>
+#include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
 #include "recorders/agent/run_agent.h"
-#include "recorders/network/agent_connect.h"
-#include "recorders/network/link/tls_keys.h"
+#include "recorders/kinect_sdk/kinect_source.h"
+#include "recorders/test_source.h"
+#ifndef _WIN32
 #include "recorders/open_source.h"
+#endif
 
 namespace trilat {
 namespace {
 
-struct RunArguments {
-  std::string server, key, source, name;
-  std::size_t buffer_mb = AgentOptions{}.ring_bytes >> 20;
-  bool plain_text = false;
-};
+constexpr int kDone = 0, kFramesLost = 1, kBadInput = 2, kOurBug = 70;
 
-struct KeysArguments {
-  std::string folder;
-  std::vector<std::string> agents;
-};
+std::atomic<int> stop_signals{0};
 
-int run(const RunArguments& arguments) {
-  AgentOptions options;
-  options.name = arguments.name;
-  options.ring_bytes = arguments.buffer_mb << 20;
-  TlsKeys keys;
-  if (!arguments.key.empty()) {
-    keys = read_tls_keys(arguments.key);
-    if (keys.size() != 1)
-      throw InputError(arguments.key,
-                       "holds the keys of several agents; here NAME.key of this one is needed");
-    const std::string& name = keys.begin()->first;
-    if (options.name.empty()) options.name = name;
-    if (options.name != name)
-      throw InputError("--name", "must be \"" + name + "\", as the key says, or be left out");
+// The first signal asks for an orderly end; the second takes the default way out.
+void on_signal(int number) {
+  const bool first = stop_signals.fetch_add(1) == 0;
+  std::signal(number, first ? on_signal : SIG_DFL);  // Windows forgets the handler with every signal
+  if (!first) std::raise(number);
+}
+
+void handle_signals() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+#ifndef _WIN32
+  std::signal(SIGHUP, on_signal);
+  std::signal(SIGPIPE, SIG_IGN);
+#endif
+}
+
+void say(const std::string& text) { std::fprintf(stderr, "trilat-agent: %s\n", text.c_str()); }
+
+std::unique_ptr<FrameSource> source_of(const std::string& text) {
+#ifdef _WIN32
+  if (text == "kinect") return std::make_unique<KinectSource>(kinect::load_kinect_runtime());
+#endif
+  if (text.starts_with("test:")) {
+    double duration_s = 0.0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + 5, end, duration_s);
+    if (error == std::errc{} && stop == end && duration_s > 0.0 && duration_s <= 1e6)
+      return std::make_unique<TestSource>(duration_s);
+    throw InputError("--source", "must be test:SECONDS, is \"" + text + '"');
   }
-  if (options.name.empty()) throw InputError("--name", "is needed where no key is given");
-  const ConnectLink connect = connect_to_server(parse_address(arguments.server), keys, arguments.plain_text);
-  const auto source = open_source(arguments.source, "--source", SourceUse::agent);
-  return run_agent(*source, options, connect);
+#ifdef _WIN32
+  throw InputError("--source", "must be kinect or test:SECONDS, is \"" + text + '"');
+#else
+  return open_source(text, "--source", SourceUse::agent);
+#endif
 }
 
-int make_keys(const KeysArguments& arguments) {
-  const auto made = make_tls_keys(arguments.folder, arguments.agents);
-  for (const auto& path : made) std::printf("%s\n", path.c_str());
-  return kDone;
+struct Arguments {
+  std::string name, source, recorder, via, remote_program = "trilat", folder = ".";
+};
+
+// USER@HOST by SSH, HOST:PORT on this machine, or any program's standard input and output.
+Connect connect_of(const Arguments& a) {
+  if (!a.via.empty()) return [words = shell_words(a.via)] { return run_program(words); };
+  if (a.recorder.empty()) return {};
+  if (a.recorder.find('@') == std::string::npos) {
+    const SocketAddress address = parse_address(a.recorder);
+    if (!is_loopback(address))
+      throw InputError("--recorder",
+                       '"' + a.recorder + "\" lies beyond this machine: USER@HOST goes there through SSH");
+    return [address] { return connect_loopback(address); };
+  }
+  const std::vector<std::string> words{"ssh",
+                                       "-T",
+                                       "-o",
+                                       "BatchMode=yes",
+                                       "-o",
+                                       "ServerAliveInterval=2",
+                                       "-o",
+                                       "ServerAliveCountMax=3",
+                                       "-o",
+                                       "ConnectTimeout=5",
+                                       a.recorder,
+                                       "--",
+                                       a.remote_program,
+                                       "receive"};
+  return [words] { return run_program(words); };
 }
 
-void add_run(CLI::App& app, RunArguments& arguments) {
-  auto* verb = app.add_subcommand("run", "send what a source delivers to the recording machine");
-  verb->add_option("--server", arguments.server, "HOST:PORT of `trilat record --listen`")->required();
-  verb->add_option("--keys", arguments.key, "this agent's NAME.key, as made by `trilat-agent keys`");
-  verb->add_option("--source", arguments.source, source_help() + "; at real speed only")->required();
-  verb->add_option("--name", arguments.name, "of this agent; with a key it is the key's");
-  add_buffer_option(*verb, arguments.buffer_mb);
-  verb->add_flag("--plain-text", arguments.plain_text,
-                 "without a key: let everybody on the way read and write");
+int end_of(const AgentReport& report) {
+  if (!report.was_recorded) {
+    say("stopped before the recording began");
+    return kDone;
+  }
+  if (!report.source_problem.empty()) say("the source broke: " + report.source_problem);
+  for (const LeftLog& log : report.left)
+    say(log.path.string() + " stays here; join it with the others: trilat recover " +
+        log.path.filename().string() + " OTHER.trilog... -o session.h5");
+  say("done; " + std::to_string(report.frames) + " frames taken, " +
+      std::to_string(report.lost_at_source + report.lost_in_queue) + " lost (" +
+      std::to_string(report.lost_at_source) + " at the source)");
+  return report.whole() ? kDone : kFramesLost;
 }
 
-void add_keys(CLI::App& app, KeysArguments& arguments) {
-  auto* verb = app.add_subcommand("keys", "make keys of agents; nothing is overwritten");
-  verb->add_option("folder", arguments.folder, "of recorder.keys and NAME.key")->required();
-  verb->add_option("names", arguments.agents, "of agents that need a key")->required();
+int run(const Arguments& a) {
+  AgentOptions options;
+  options.name = a.name;
+  options.folder = a.folder;
+  options.connect = connect_of(a);
+  options.stop_requested = [] { return stop_signals > 0; };
+  options.on_news = say;
+  std::vector<std::unique_ptr<FrameSource>> source;
+  source.push_back(source_of(a.source));
+  handle_signals();
+  AgentReport report = run_agent(source, options);
+  if (!options.connect && report.was_recorded) {  // alone, its log is what was wanted
+    for (const LeftLog& log : report.left) say("recorded into " + log.path.string());
+    report.left.clear();
+  }
+  return end_of(report);
 }
 
 int agent_main(int argc, char** argv) {
   CLI::App app(
-      "Sends depth and bodies of a sensor on this computer to a recording elsewhere.\n"
-      "Exit codes: 0 done; 1 done, but frames were lost, the source broke or a recording was broken off;\n"
-      "2 bad input or usage; 70 a bug of this program.",
+      "Records depth and bodies of a sensor on this computer and sends them to a recording elsewhere.\n"
+      "Exit codes: 0 done; 1 done, but frames were lost, the source broke or not all arrived;\n"
+      "2 bad input or usage, or the recorder refuses; 70 a bug of this program.",
       "trilat-agent");
   app.footer(
-      "Example: on the recording machine\n"
-      "  trilat-agent keys keys k1 k2\n"
-      "then copy keys/k1.key to the first sensor's computer and there\n"
-      "  trilat-agent run --server 192.168.1.10:7345 --keys k1.key --source synthetic:1");
+      "Examples:\n"
+      "  trilat-agent run --name left --recorder user@recorder     # where `trilat record --agents 2` runs\n"
+      "  trilat-agent run --name left                              # alone, into left.ID.trilog");
   app.set_version_flag("--version", kProgramVersion);
   app.require_subcommand(1);
-  RunArguments run_arguments;
-  KeysArguments keys_arguments;
-  add_run(app, run_arguments);
-  add_keys(app, keys_arguments);
-  if (const auto end = parse_agent_arguments(app, argc, argv)) return *end;
-  return app.got_subcommand("run") ? run(run_arguments) : make_keys(keys_arguments);
+  Arguments a;
+#ifdef _WIN32
+  a.source = "kinect";
+  const char* sources = "kinect, or test:SECONDS to try the way without a sensor";
+#else
+  const std::string sources = source_help() + ", or test:SECONDS; at real speed only";
+#endif
+  auto* verb = app.add_subcommand("run", "record what a source delivers, and send it");
+  verb->add_option("--name", a.name, "of this agent, and of its sensor in the session")->required();
+  auto* source = verb->add_option("--source", a.source, sources);
+  if (a.source.empty()) source->required();
+  verb->add_option("--recorder,--server", a.recorder,
+                   "USER@HOST, reached by ssh; HOST:PORT of this machine, as a tunnel's end; without it the "
+                   "log stays here");
+  verb->add_option("--via", a.via, "a command whose standard input and output lead to `trilat receive`")
+      ->excludes("--recorder");
+  verb->add_option("--remote-program", a.remote_program, "where trilat lies on the recorder's machine")
+      ->capture_default_str();
+  verb->add_option("--folder", a.folder, "of this agent's log, until the recorder has all of it")
+      ->capture_default_str();
+  std::vector<std::string> gone;
+  for (const char* option : {"--keys", "--plain-text", "--buffer-mb"})
+    verb->add_option_function<std::vector<std::string>>(
+            option,
+            [option](const std::vector<std::string>&) {
+              throw InputError(option,
+                               "was removed; --recorder USER@HOST goes through SSH, and what is not sent "
+                               "waits on the disk");
+            })
+        ->expected(0, 1)
+        ->group("");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    throw InputError("usage", std::string(error.what()) + "; `trilat-agent --help` says what can be asked");
+  }
+  return run(a);
+}
+
+int guarded_main(int argc, char** argv) {
+  try {
+    return agent_main(argc, argv);
+  } catch (const InputError& error) {
+    say(error.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    say("there is not enough memory");
+    return kBadInput;
+  } catch (const std::exception& error) {
+    say(std::string("this is a bug of the program, please report it: ") + error.what());
+    return kOurBug;
+  }
 }
 
 }  // namespace
 }  // namespace trilat
 
-int main(int argc, char** argv) { return trilat::guarded_agent_main(trilat::agent_main, argc, argv); }
+int main(int argc, char** argv) { return trilat::guarded_main(argc, argv); }

@@ -1,43 +1,51 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdio>
-#include <optional>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
 
-#include <CLI/CLI.hpp>
-
-#include "recorders/network/agent_link.h"
+#include "recorders/agent/agent_sender.h"
+#include "recorders/spool.h"
 
 namespace trilat {
 
-// Exit codes of an agent.
-inline constexpr int kDone = 0, kFramesLost = 1, kBadInput = 2, kOurBug = 70;
+struct AgentOptions {
+  std::string name;
+  std::filesystem::path folder = ".";  // of its logs
+  Connect connect;                     // to the recorder; none: it records alone, until it is stopped
+  SpoolOptions spool = {};
+  std::uint64_t reserve_bytes = std::uint64_t{256} << 20;  // of the disk
+  // How long the end may wait for a recorder that takes nothing.
+  std::chrono::milliseconds farewell_limit{30000};
+  SenderOptions link = {};
+  std::function<bool()> stop_requested = [] { return false; };
+  std::function<void(const std::string&)> on_news = [](const std::string&) {
+  };  // a line for a person; any thread
+};
 
-// Sends until there is no more to send or Ctrl-C, tells a person on standard error how it goes, and returns
-// the exit code. The run of the agent and where news go are filled in here. Once in a process.
-int run_agent(FrameSource& source, AgentOptions options, const ConnectLink& connect);
+// A log that stays on the agent's disk, as the recorder does not have all of it.
+struct LeftLog {
+  std::filesystem::path path;
+  std::uint64_t unsent_bytes = 0;
+};
 
-// Runs `body` and turns what it throws into a message and an exit code.
-int guarded_agent_main(int (*body)(int argc, char** argv), int argc, char** argv);
+struct AgentReport {
+  std::uint64_t frames = 0;  // in its logs
+  std::int64_t lost_at_source = 0, lost_in_queue = 0;
+  std::string source_problem;  // why the source broke; empty where it ended
+  std::vector<LeftLog> left;   // without those that all arrived
+  bool was_recorded = false;   // a recording began
+  bool whole() const;          // nothing was lost, and all arrived
+};
 
-// The exit code where there is nothing more to do than to help or to complain.
-inline std::optional<int> parse_agent_arguments(CLI::App& app, int argc, char** argv) {
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "trilat-agent: %s; `trilat-agent --help` says what can be asked\n", error.what());
-    return kBadInput;
-  }
-  return std::nullopt;
-}
-
-inline void add_buffer_option(CLI::App& verb, std::size_t& buffer_mb) {
-  verb.add_option("--buffer-mb", buffer_mb,
-                  "how much to keep while the recording machine does not take it; then the oldest frames go")
-      ->check(CLI::Range(1, 65536))
-      ->capture_default_str();
-}
+// Records what the source delivers into a log of its own and sends that, until the source ends, the recorder
+// wants no more, or it is asked to stop. What the recorder has all of is removed. InputError where the
+// recorder refuses this agent; OutputError where the disk fails.
+AgentReport run_agent(const std::vector<std::unique_ptr<FrameSource>>& source, const AgentOptions& options);
 
 }  // namespace trilat

@@ -50,8 +50,9 @@ std::string text_of(std::size_t sensor, const LogEvent& event) {
   return text;
 }
 
+// Of a recorder; `id` tells one log from another.
 LogHead head_with(SessionHeader session, std::uint64_t id = 7) {
-  return {id, 5'000'000'000, "left", std::move(session)};
+  return {id, 0, 5'000'000'000, 0, "", std::move(session)};
 }
 
 // Every kind of event, some with contents that look like the beginning of a record.
@@ -117,14 +118,13 @@ TEST(EventLog, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(read, texts);
   EXPECT_EQ(log.head.id, 7u);
   EXPECT_EQ(log.head.start_ns, 5'000'000'000);
-  EXPECT_EQ(log.head.agent, "left");
   ASSERT_EQ(log.head.session.sensors.size(), 2u);
   EXPECT_EQ(log.head.session.sensors[1].serial, "00001");
   EXPECT_TRUE(log.finished);
   EXPECT_EQ(log.problem, "the cable was pulled");
   EXPECT_EQ(log.gap_count, 0u);
   EXPECT_EQ(log.end, std::filesystem::file_size(folder / "a.trilog"));
-  EXPECT_EQ(head_of_event_log(folder / "a.trilog").agent, "left");
+  EXPECT_EQ(head_of_event_log(folder / "a.trilog").id, 7u);
 }
 
 TEST(EventLog, HoweverItsBytesComeTheEventsAreTheSame) {
@@ -196,12 +196,14 @@ TEST(EventLog, ItsEndIsFoundFromTheLastMark) {
   }
   read_event_log(path, [](std::size_t, LogEvent&&) {});
   std::uint64_t size = std::filesystem::file_size(path);
-  EXPECT_EQ(end_of_event_log(path), size);
+  EXPECT_EQ(end_of_event_log(path).offset, size);
+  EXPECT_TRUE(end_of_event_log(path).finished);
   const RandomStream random{1, Purpose::sensor_drop, 0};
   for (std::uint32_t trial = 0; trial < 4; ++trial) {
     size -= static_cast<std::uint64_t>(random.uniform(trial) * 15e6);
     std::filesystem::resize_file(path, size);
-    const std::uint64_t end = end_of_event_log(path);
+    const std::uint64_t end = end_of_event_log(path).offset;
+    EXPECT_FALSE(end_of_event_log(path).finished);
     EXPECT_EQ(end, read_event_log(path, [](std::size_t, LogEvent&&) {}).end);
     EXPECT_LE(end, size);
     EXPECT_GT(end + 450'000, size);
@@ -213,7 +215,7 @@ TEST(EventLog, IsLockedWhileItIsWrittenAndNeverWrittenOver) {
   {
     const EventLogWriter log(folder / "a.trilog", head_with(header_of(1)));
     EXPECT_TRUE(is_being_written(folder / "a.trilog"));
-    EXPECT_THAT(message_of([&] { write_session({folder / "a.trilog"}, folder / "s.h5"); }),
+    EXPECT_THAT(message_of([&] { write_session({{folder / "a.trilog"}}, folder / "s.h5"); }),
                 HasSubstr("is being written by a recording that still runs"));
     EXPECT_THAT(message_of([&] { AppendFile(folder / "a.trilog", AppendFile::Open::extend, 0); }),
                 HasSubstr("is being written by another process"));
@@ -256,7 +258,7 @@ TEST(WriteSession, JoinsTheSensorsOfSeveralLogs) {
     log.append(0, DropCount{1, 2, 3});
     log.finish();
   }
-  const LogsWritten written = write_session({folder / "0", folder / "1"}, folder / "s.h5");
+  const LogsWritten written = write_session({{folder / "0"}, {folder / "1"}}, folder / "s.h5");
   EXPECT_TRUE(written.whole());
   const SessionReader session(folder / "s.h5");
   EXPECT_TRUE(session.complete());
@@ -281,11 +283,11 @@ TEST(WriteSession, RefusesOneLogTwiceAndTwoSensorsOfOneName) {
     EventLogWriter(folder / std::to_string(l), head_with(header_of(1), l + 1)).finish();
   std::filesystem::copy(folder / "0", folder / "copy");
   EXPECT_THAT(message_of([&] {
-                write_session({folder / "0", folder / "copy"}, folder / "s.h5");
+                write_session({{folder / "0"}, {folder / "copy"}}, folder / "s.h5");
               }),
               HasSubstr("is the same log as"));
   EXPECT_THAT(message_of([&] {
-                write_session({folder / "0", folder / "1"}, folder / "s.h5");
+                write_session({{folder / "0"}, {folder / "1"}}, folder / "s.h5");
               }),
               HasSubstr("two sensors named \"k0\""));
   EXPECT_FALSE(std::filesystem::exists(folder / "s.h5"));
@@ -309,7 +311,7 @@ TEST(WriteSession, WhatIsDamagedCostsNoMoreThanItselfAndIsReported) {
   std::string bytes = read_file(folder / "a");
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
   std::ofstream(folder / "a", std::ios::binary) << bytes;
-  const LogsWritten written = write_session({folder / "a"}, folder / "s.h5");
+  const LogsWritten written = write_session({{folder / "a"}}, folder / "s.h5");
   EXPECT_FALSE(written.whole());
   EXPECT_EQ(written.logs.at(0).gap_count, 1u);
   const SessionReader session(folder / "s.h5");
@@ -330,9 +332,11 @@ TEST(WriteSession, ARecordingIsClosedByTakingItsLogAway) {
       for (std::int64_t i = 0; i < 100; ++i) log.append(0, body_frame_of(i, 1));
       if (finish) log.finish();
     }
-    EXPECT_EQ(close_recording({folder / "a"}, folder / "s.h5").empty(), finish);
+    std::string left;
+    close_recording({{folder / "a"}}, folder / "s.h5", left);
+    EXPECT_EQ(left, "");
     EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 100u);
-    EXPECT_EQ(std::filesystem::exists(folder / "a"), !finish);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a"));
   }
 }
 

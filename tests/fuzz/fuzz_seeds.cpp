@@ -11,9 +11,7 @@
 #include "datasets/mocap/optitrack_csv_writer.h"
 #include "datasets/session/event_log.h"
 #include "datasets/session/session_writer.h"
-#include "recorders/network/link/tls_keys.h"
-#include "recorders/network/link/wire.h"
-#include "tests/fuzz/fuzz_folder.h"
+#include "recorders/link/messages.h"
 
 namespace trilat {
 namespace {
@@ -22,20 +20,6 @@ namespace fs = std::filesystem;
 
 // Gives the path of a new seed of a fuzzer.
 using SeedPath = std::function<fs::path(const std::string& fuzzer, const std::string& name)>;
-
-// The first bytes of a handshake.
-constexpr const char* kHello = "\x16\x03\x01\x02";
-
-std::string wire_seed() {
-  HelloMessage hello;
-  hello.agent = "k1";
-  hello.sensors.resize(1);
-  std::string bytes;
-  for (const Message& message :
-       {Message(hello), Message(EventMessage{0, 0, BodyFrame{}}), Message(ByeMessage{1})})
-    for (const std::byte byte : encode_message(message)) bytes.push_back(static_cast<char>(byte));
-  return bytes;
-}
 
 void write_session(const fs::path& path) {
   SessionHeader header;
@@ -55,7 +39,7 @@ void write_session(const fs::path& path) {
 }
 
 void write_log(const fs::path& path) {
-  LogHead head{1, 2, "k1", {}};
+  LogHead head{.id = 1, .agent = "k1", .session = {}};
   head.session.sensors.resize(1);
   fs::remove(path);
   EventLogWriter log(path, head);
@@ -89,13 +73,13 @@ constexpr const char* kTrc =
     "100\t100\t2\t2\tmm\t100\t1\t2\nFrame#\tTime\ta\t\t\tb\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"
     "1\t0.00\t1500\t250.5\t-1e2\t\t\t\n2\t0.01\tnan\tnan\tnan\t4\t5\t6\n";
 
-void write_network_seeds(const SeedPath& seed) {
-  const FuzzFolder scratch("seeds");
-  make_tls_keys(scratch.path(), {"k1"});
-  write_file(seed("keys", "agent"), read_file(scratch.path() / "k1.key"));
+void write_link_seeds(const SeedPath& seed) {
   write_file(seed("address", "mapped"), "[::ffff:127.0.0.1]:7345");
-  for (const char* side : {"recorder_handshake", "agent_handshake"}) write_file(seed(side, "hello"), kHello);
-  write_file(seed("wire", "hello_and_bye"), wire_seed());
+  std::string bytes;
+  for (const Message& message : {Message(HelloMessage{LinkRole::data, "k1", 1, 2, 3}),
+                                 Message(BytesMessage{5, 6, {}}), Message(LiveMessage{0, BodyFrame{}})})
+    for (const std::byte byte : encode_message(message)) bytes.push_back(static_cast<char>(byte));
+  write_file(seed("messages", "hello_and_bytes"), bytes);
 }
 
 void write_seeds(const fs::path& folder) {
@@ -111,7 +95,7 @@ void write_seeds(const fs::path& folder) {
   }
   write_file(seed("joint_csv", "two"),
              "time_s,joint,x_m,y_m,z_m\n0,head,0.1,1.7,2\n0,knee_left,,,\n0.02,head,0.1,1.7,2.1\n");
-  write_network_seeds(seed);
+  write_link_seeds(seed);
 }
 
 }  // namespace

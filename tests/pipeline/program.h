@@ -45,6 +45,7 @@ class Process {
   }
   void interrupt() const { kill(pid_, SIGINT); }
   void kill_at_once() const { kill(pid_, SIGKILL); }
+  void hang_up() const { kill(pid_, SIGHUP); }
   Ended wait() const {
     int status = 0;
     waitpid(pid_, &status, 0);

@@ -117,32 +117,27 @@ std::string port_of(const ScratchFolder& folder) {
   return port;
 }
 
-TEST(Record, SensorsOfTwoComputersArriveOverTls) {
+Process agent_of(const ScratchFolder& folder, const std::string& name, const std::vector<std::string>& more) {
+  std::vector<std::string> words{"run", "--name", name, "--folder", folder.path().string()};
+  words.insert(words.end(), more.begin(), more.end());
+  return Process(folder, words, name + "_", kAgentProgram);
+}
+
+const std::string kSomeSource = "synthetic:1,depth=no,duration=2";  // rendered depth would be late
+
+TEST(Record, SensorsOfTwoComputersBecomeOneSession) {
   const ScratchFolder folder;
-  const auto agent = [&](const std::vector<std::string>& arguments, const std::string& name) {
-    return Process(folder, arguments, name, kAgentProgram);
-  };
-  EXPECT_EQ(agent({"keys", in(folder, "keys"), "left", "right"}, "keys_").wait().code, 0);
-  const std::string source = "synthetic:1,depth=no,duration=2";  // rendered depth would be late
-  const Process record(folder,
-                       {"record", "--listen", "127.0.0.1:0", "--agents", "2", "--keys",
-                        in(folder, "keys/recorder.keys"), "-o", in(folder, "s.h5"), "--json"},
-                       "record_");
-  const std::string server = "127.0.0.1:" + port_of(folder);
-  const Process stranger = agent({"run", "--server", server, "--name", "left", "--plain-text", "--source",
-                                  "synthetic:1,depth=no,duration=1"},
-                                 "stranger_");
-  const Process left =
-      agent({"run", "--server", server, "--keys", in(folder, "keys/left.key"), "--source", source}, "left_");
-  const Process right = agent(
-      {"run", "--server", server, "--keys", in(folder, "keys/right.key"), "--source", source}, "right_");
+  const Process record(
+      folder, {"record", "--listen", "127.0.0.1:0", "--agents", "2", "-o", in(folder, "s.h5"), "--json"},
+      "record_");
+  const std::string recorder = "127.0.0.1:" + port_of(folder);
+  const Process left = agent_of(folder, "left", {"--recorder", recorder, "--source", kSomeSource});
+  const Process right = agent_of(folder, "right", {"--recorder", recorder, "--source", kSomeSource});
   EXPECT_EQ(left.wait().code, 0);
   EXPECT_EQ(right.wait().code, 0);
   const Ended ended = record.wait();
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_EQ(only_json(ended)["end"], "source_ended");
-  stranger.kill_at_once();
-  stranger.wait();
   const SessionReader session(folder / "s.h5");
   ASSERT_EQ(session.header().sensors.size(), 2u);
   EXPECT_TRUE(session.header().simulated);
@@ -152,6 +147,64 @@ TEST(Record, SensorsOfTwoComputersArriveOverTls) {
     EXPECT_EQ(session.counts(s).body_frames, 60u);
     EXPECT_GE(session.counts(s).clock_exchanges, 4u);
   }
+}
+
+// As SSH reaches it: a program whose standard input and output lead to `trilat receive`.
+TEST(Record, AgentsReachTheRecorderThroughAnyProgram) {
+  const ScratchFolder folder;
+  const std::string environment = "XDG_RUNTIME_DIR=" + folder.path().string();
+  const std::string record = environment + " " + kProgram + " record --agents 1 -o " + in(folder, "s.h5") +
+                             " 2>" + in(folder, "record.txt") + " >/dev/null &";
+  ASSERT_EQ(std::system(record.c_str()), 0);
+  const Process agent =
+      agent_of(folder, "k2", {"--via", environment + " " + kProgram + " receive", "--source", kSomeSource});
+  const Ended ended = agent.wait();
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  wait_for([&] {
+    return std::filesystem::exists(folder / "s.h5") && !std::filesystem::exists(folder / "s.h5.trilog");
+  });
+  const SessionReader session(folder / "s.h5");
+  EXPECT_EQ(session.header().sensors.at(0).name, "k2");
+  EXPECT_EQ(session.counts(0).body_frames, 60u);
+  EXPECT_EQ(std::filesystem::status(folder / "trilat").permissions(), std::filesystem::perms::owner_all);
+}
+
+TEST(Record, ARecorderThatIsKilledGoesOnWithTheSameLineAndLosesNothingOfItsAgents) {
+  const ScratchFolder folder;
+  const std::string port = "127.0.0.1:" + std::to_string(20000 + getpid() % 20000);
+  const std::vector<std::string> line{"record", "--listen",         port,    "--agents", "1",
+                                      "-o",     in(folder, "s.h5"), "--json"};
+  const Process first(folder, line, "first_");
+  const Process agent =
+      agent_of(folder, "k1", {"--recorder", port, "--source", "synthetic:1,depth=no,duration=4"});
+  wait_for([&] {
+    std::uintmax_t bytes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+      if (entry.path().filename().string().starts_with("s.h5.k1.")) bytes = entry.file_size();
+    return bytes > 20'000;
+  });
+  first.kill_at_once();
+  first.wait();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const Process second(folder, line, "second_");
+  EXPECT_EQ(agent.wait().code, 0);
+  const Ended ended = second.wait();
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const SessionReader session(folder / "s.h5");
+  ASSERT_EQ(session.counts(0).body_frames, 120u);
+  const auto stamps = session.stamps(0, FrameStream::bodies, 0, 120);
+  for (std::size_t i = 0; i < stamps.size(); ++i) EXPECT_EQ(stamps[i].sequence, static_cast<std::int64_t>(i));
+  EXPECT_EQ(only_json(ended)["sensors"][0]["lost_at_source"], 0);
+}
+
+TEST(Record, AClosedTerminalEndsItInOrder) {
+  const ScratchFolder folder;
+  const Process process(folder, {"record", "--source", "synthetic:1,depth=no", "-o", in(folder, "s.h5")});
+  wait_for([&] { return std::filesystem::exists(in(folder, "s.h5.trilog")); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  process.hang_up();
+  EXPECT_EQ(process.wait().code, 0);
+  EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
 }
 
 TEST(Recover, AFinishedRecordingWithoutItsNameGetsIt) {

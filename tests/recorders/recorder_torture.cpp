@@ -125,7 +125,7 @@ Outcome examine(const Trial& trial, std::uint64_t safe) {
     std::filesystem::path readable = trial.session;
     if (!outcome.complete) {
       readable = trial.session.string() + ".saved.h5";
-      const LogsWritten written = write_session({log}, readable);
+      const LogsWritten written = write_session({{log}}, readable);
       if (written.logs[0].end < safe || written.logs[0].gap_count > 0)
         outcome.problem = fmt::format("{} bytes are whole, {} were in the file, {} places are damaged",
                                       written.logs[0].end, safe, written.logs[0].gap_count);

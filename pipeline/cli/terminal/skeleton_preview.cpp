@@ -63,19 +63,6 @@ std::vector<std::string> skeleton_text(const BodyFrame& frame, const DepthIntrin
   return text;
 }
 
-SkeletonPreview::SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources) {
-  for (const auto& source : sources)
-    for (const SensorDescription& sensor : source->header().sensors)
-      views_.emplace(sensor.name, View{sensor.intrinsics, {}});
-}
-
-SkeletonPreview::SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources,
-                                 const Calibration& calibration, const std::string& place)
-    : SkeletonPreview(sources) {
-  for (const auto& [name, view] : views_)
-    world_from_sensor_.push_back(pose_of(calibration, name, place).world_from_sensor);
-}
-
 BodyFrame fused_frame(const std::vector<BodyFrame>& frames,
                       const std::vector<RigidTransform>& world_from_sensor) {
   std::vector<const Body*> bodies;
@@ -105,19 +92,30 @@ BodyFrame fused_frame(const std::vector<BodyFrame>& frames,
   return frame;
 }
 
-void SkeletonPreview::see(const std::string& sensor, const BodyFrame& frame) {
-  views_.at(sensor).frame = frame;
+void SkeletonPreview::see(const std::string& sensor, const DepthIntrinsics& intrinsics,
+                          const BodyFrame& frame) {
+  View view{intrinsics, frame};
+  if (calibration_) view.world_from_sensor = pose_of(*calibration_, sensor, place_).world_from_sensor;
+  views_.insert_or_assign(sensor, std::move(view));
 }
 
 std::string SkeletonPreview::picture() const {
   std::string picture = "\033[H\033[J";  // from the upper left corner of an empty screen
-  std::vector<std::pair<std::string, View>> views(views_.begin(), views_.end());
-  if (!world_from_sensor_.empty()) {
+  std::vector<std::pair<std::string, View>> views;
+  for (const auto& [name, view] : views_) {
+    const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - view.seen).count();
+    views.emplace_back(name + (age_s > 1.0 ? fmt::format(" ({:.0f} s ago)", age_s) : ""), view);
+  }
+  if (calibration_ && !views.empty()) {
     std::vector<BodyFrame> frames;
-    for (const auto& [name, view] : views) frames.push_back(view.frame);
+    std::vector<RigidTransform> world_from_sensor;
+    for (const auto& [name, view] : views) {
+      frames.push_back(view.frame);
+      world_from_sensor.push_back(view.world_from_sensor);
+    }
     views.insert(views.begin(),
                  {"all, as " + views.front().first + " sees it",
-                  View{views.front().second.intrinsics, fused_frame(frames, world_from_sensor_)}});
+                  View{views.front().second.intrinsics, fused_frame(frames, world_from_sensor)}});
   }
   for (auto left = views.begin(); left != views.end();) {
     const auto right = std::next(left);

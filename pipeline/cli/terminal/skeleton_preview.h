@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <map>
-#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "datasets/calibration/calibration.h"
-#include "recorders/frame_source.h"
+#include "datasets/session/session_types.h"
 
 namespace trilat {
 
@@ -17,22 +19,26 @@ namespace trilat {
 // a Braille pattern, two by four a character.
 class SkeletonPreview {
  public:
-  explicit SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources);
-  // With the person whom all sensors see together, as the first of them would see it. InputError when the
-  // calibration, read from `place`, lacks a sensor.
-  SkeletonPreview(const std::vector<std::unique_ptr<FrameSource>>& sources, const Calibration& calibration,
-                  const std::string& place);
-  void see(const std::string& sensor, const BodyFrame& frame);
-  // For a terminal: from its upper left corner, over what was there.
+  // With a calibration, read from `place`, also the person whom all sensors see together, as the first of
+  // them would see it.
+  explicit SkeletonPreview(std::optional<Calibration> calibration = {}, std::string place = {})
+      : calibration_(std::move(calibration)), place_(std::move(place)) {}
+  // InputError when the calibration lacks the sensor.
+  void see(const std::string& sensor, const DepthIntrinsics& intrinsics, const BodyFrame& frame);
+  // For a terminal: from its upper left corner, over what was there. Says how old a view is that is not of
+  // the last second.
   std::string picture() const;
 
  private:
   struct View {
     DepthIntrinsics intrinsics;
     BodyFrame frame;
+    RigidTransform world_from_sensor{};  // with a calibration
+    std::chrono::steady_clock::time_point seen = std::chrono::steady_clock::now();
   };
   std::map<std::string, View> views_;
-  std::vector<RigidTransform> world_from_sensor_;  // by view; empty without a calibration
+  std::optional<Calibration> calibration_;
+  std::string place_;
 };
 
 // The mean of what the sensors see of one person (of each sensor's bodies the one with the most tracked

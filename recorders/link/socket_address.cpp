@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/network/link/socket_address.h"
+#include "recorders/link/socket_address.h"
 
 #include <charconv>
 #include <string_view>
