@@ -29,8 +29,8 @@ class SocketStream : public ByteStream {
     fd_set watched;
     FD_ZERO(&watched);
     FD_SET(socket_, &watched);
-    const timeval limit{static_cast<long>(at_most.count() / 1000),
-                        static_cast<long>(at_most.count() % 1000 * 1000)};
+    timeval limit{static_cast<long>(at_most.count() / 1000),
+                  static_cast<long>(at_most.count() % 1000 * 1000)};
     if (::select(0, &watched, nullptr, nullptr, &limit) <= 0) return 0;
     const int count = ::recv(socket_, reinterpret_cast<char*>(into.data()),
                              static_cast<int>(std::min<std::size_t>(into.size(), 1 << 20)), 0);
