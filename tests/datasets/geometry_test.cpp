@@ -46,6 +46,16 @@ TEST(DepthCamera, WithoutDistortionIsThePinholeFormula) {
   EXPECT_NEAR(pixel.y(), 205.395 + 365.456 * 0.125, kTight);
 }
 
+TEST(DepthCamera, IsBelievedToTheLimitsThatAreStated) {
+  DepthIntrinsics in;
+  for (const double widths : {0.3, 3.0}) {
+    in.fx_px = in.fy_px = widths * in.width_px;
+    EXPECT_EQ(implausibility_of(in), "");
+    in.fx_px *= widths < 1.0 ? 0.999 : 1.001;
+    EXPECT_EQ(implausibility_of(in), "has a focal length outside 0.3 to 3 image widths");
+  }
+}
+
 TEST(DepthCamera, RayUndoesProjectionAllOverTheImage) {
   DepthIntrinsics in;
   in.p1 = 1e-3;

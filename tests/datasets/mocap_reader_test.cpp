@@ -289,6 +289,19 @@ TEST(MocapReader, LivesWithCutAndOverlongRows) {
   EXPECT_EQ(take.anomalies.rows_with_extra_fields, 1);
 }
 
+// Without a rate in the header the printed times are all there is.
+TEST(MocapReader, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
+  std::string head = keys("1.23");
+  for (const std::string key : {"Capture Frame Rate", "Export Frame Rate"})
+    if (const std::size_t at = head.find(key); at != std::string::npos)
+      head.erase(at, head.find(',', head.find(',', at) + 1) + 1 - at);
+  const MocapTake take =
+      read(head + "\n" + kMarkerHeadings + "0,0,1,2,3\n1,0.01,1,2,4\n2,0.01,9,9,9\n3,0.02,1,2,5\n");
+  ASSERT_EQ(take.frames.size(), 3u);
+  EXPECT_EQ(take.frames[2].poses[0].position_m.z(), 5.0);
+  EXPECT_EQ(take.anomalies.repeated_frames, 1);
+}
+
 TEST(MocapReader, DropsRowsWhoseFrameDoesNotAdvance) {
   const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "3,0,1,2,3\n3,0,9,9,9\n4,0.01,1,2,4\n2,0,9,9,9\n5,0.02,1,2,5\n");

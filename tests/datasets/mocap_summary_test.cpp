@@ -219,6 +219,13 @@ TEST(Missing, ARigidBodyAloneIsJudgedByItsOwnNoise) {
   EXPECT_EQ(missing_of_first(take_of({{"a", held}}, "Rigid Body")).held, 49);
 }
 
+// Of so few steps nobody can tell whether the file has noise.
+TEST(Missing, ARigidBodyAloneIsNotJudgedByAFewSteps) {
+  std::vector<double> held = swinging_mm(45, 1);
+  hold(held, 10, 32);
+  EXPECT_EQ(missing_of_first(take_of({{"a", held}}, "Rigid Body")).held, 0);
+}
+
 TEST(Missing, TheOriginAndFarValuesThatRepeatAre) {
   for (const double fill_mm : {0.0, -16512.0, 9999.0, 1e6, 1e9}) {
     std::vector<double> filled = swinging_mm(kFrames, 1);

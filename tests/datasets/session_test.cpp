@@ -311,6 +311,36 @@ TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
     EXPECT_THAT(said, HasSubstr(finding));
 }
 
+TEST(Session, VerifySaysNothingOfASoundRecording) {
+  const auto sound = [](std::int64_t i, BodyFrame& frame) {
+    for (std::size_t j = 0; j < kJointCount; ++j)
+      frame.bodies[0].position_m[j] = {0.04f * static_cast<float>(j), 0.0f,
+                                       2.0f + 1e-3f * static_cast<float>(i)};
+    return true;
+  };
+  EXPECT_EQ(said_of(written("sound.h5", 600, sound)),
+            "note no clock exchanges: the sensor is taken to share the recording machine's clock | \n");
+}
+
+TEST(Session, VerifyCountsHowOftenClocksWereSet) {
+  EXPECT_THAT(said_of(written("restarts.h5", 900,
+                              [](std::int64_t i, BodyFrame& frame) {
+                                if (i >= 300) frame.stamp.device_ticks -= 300 * 333'333;
+                                if (i >= 600) frame.stamp.device_ticks -= 300 * 333'333;
+                                return true;
+                              })),
+              HasSubstr("its clocks were set 2 times while recording"));
+}
+
+TEST(Session, NamesOfSensorsAreNamesOfGroups) {
+  for (const std::string name : {"", "a/b"}) {
+    SessionHeader header = header_of(1);
+    header.sensors[0].name = name;
+    EXPECT_THAT(message_of([&] { SessionWriter writer(scratch("names.h5"), header); }),
+                HasSubstr("must have 1 to 64 characters and no '/'"));
+  }
+}
+
 TEST(Session, VerifyKnowsARestartFromDisorder) {
   // the sequence begins anew after ten frames, and ticks go on from `ticks`
   const auto with_restart = [](const char* name, std::int64_t ticks) {

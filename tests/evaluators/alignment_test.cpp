@@ -61,6 +61,24 @@ TEST(Alignment, RigidNeverReflects) {
   EXPECT_NEAR(best.truth_from_estimate.rotation.toRotationMatrix().determinant(), 1.0, 1e-12);
 }
 
+// The corners of a tetrahedron with edges of one length are mirrored by exchanging two of them.
+TEST(Alignment, PointsSayHowWellTheirMirrorImageFits) {
+  const std::vector<Vector3d> a{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  std::vector<Vector3d> moved, mirrored;
+  for (const Vector3d& p : a) {
+    moved.push_back(kMove * (2.0 * p));
+    mirrored.push_back(kMove * Vector3d(-p.x(), p.y(), p.z()));
+  }
+  const PointFit sound = fit_points(a, moved), other = fit_points(a, mirrored);
+  EXPECT_NEAR(sound.scale, 2.0, 1e-9);
+  EXPECT_NEAR(sound.rms_m, std::sqrt(3.0), 1e-6);  // of twice the size: each corner is off by its length
+  // by Umeyama: spreads 3 and 12, singular values 2 each, so that 15 - 2 (2 + 2 - 2) is left of the mirror
+  // image
+  EXPECT_NEAR(sound.mirrored_rms_m, std::sqrt(11.0), 1e-6);
+  EXPECT_NEAR(other.mirrored_rms_m, 0.0, 1e-5);
+  EXPECT_NEAR(other.rms_m, 2.0, 1e-6);  // 6 - 2 (1 + 1 - 1)
+}
+
 // The least squares are at a minimum: turning or shifting a little only makes it worse.
 TEST(Alignment, RigidIsTheLeastSquaresMotion) {
   const std::vector<Pair> pairs = moved_pairs(kMove, 40, 0.3);

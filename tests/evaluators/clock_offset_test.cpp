@@ -185,6 +185,13 @@ TEST(LocalMotion, OfAStraightMotionIsExact) {
               1e-12);
 }
 
+TEST(LocalMotion, IsNotOfTwoPointsAlone) {
+  const PointPath two{{0.0, 0.03}, {Vector3d::Zero(), Vector3d::UnitX()}};
+  EXPECT_FALSE(local_motion(two, 0.01, 0.06, 0.1));
+  const PointPath three{{0.0, 0.03, 0.06}, {Vector3d::Zero(), Vector3d::UnitX(), 2.0 * Vector3d::UnitX()}};
+  EXPECT_TRUE(local_motion(three, 0.01, 0.06, 0.1));
+}
+
 TEST(LocalMotion, IsNowhereAtTheEndsAndInHoles) {
   PointPath path;
   for (int i = 0; i < 60; ++i) {

@@ -186,6 +186,8 @@ TEST(RangeBearing, SaysWhyThereIsNoAnswer) {
   for (const RaySigma sigma : {RaySigma{0.0, 1.0}, RaySigma{1.0, kInfinite}})
     EXPECT_EQ(contradiction_in(RangeBearingOptions{.sigma = sigma}),
               "both sigmas must be greater than 0 and finite");
+  EXPECT_EQ(contradiction_in(RangeBearingOptions{.loss_scale = 0.0}),
+            "the scale of the loss must be greater than 0");
 }
 
 }  // namespace

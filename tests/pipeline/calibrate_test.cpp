@@ -106,6 +106,7 @@ TEST(CalibrateVerb, WritesACalibrationThatReadsBack) {
   const Ended text = run_trilat(folder, {"calibrate", session, "-o", output});
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_THAT(text.out, AllOf(HasSubstr("| k1 "), HasSubstr("| k2 "), HasSubstr("calibration: " + output)));
+  EXPECT_THAT(text.out + text.err, Not(HasSubstr("times what noise explains")));
   const Calibration first = read_calibration(output);
   const Ended json =
       run_trilat(folder, {"calibrate", session, "-o", output, "--force", "--json", "--threads", "1"});

@@ -100,6 +100,10 @@ TEST(Fuse, ACalibrationIsCorrectedByTheBodies) {
   const Ended ended =
       run_trilat(folder, {"calibrate", take.session.string(), "--method", "bodies", "--from",
                           (folder / "stated.json").string(), "-o", (folder / "new.json").string()});
+  expect_refused(run_trilat(folder, {"calibrate", take.session.string(), "--method", "bodies", "--from",
+                                     (folder / "stated.json").string(), "-o",
+                                     (folder / "stated.json").string(), "--force"}),
+                 "stated.json");
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("k2, beside its calibration: turned by "));
   const Calibration corrected = read_calibration(folder / "new.json");

@@ -2,11 +2,13 @@
 #include <atomic>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
 #include "datasets/results/timings.h"
 #include "pipeline/sweep/sweep_block.h"
+#include "pipeline/sweep/sweep_study.h"
 #include "pipeline/sweep/sweep_summary.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
@@ -159,6 +161,15 @@ TEST(SweepSums, QuantilesComeFromTheCounts) {
   for (const double distance_m : {1e-9, 0.001, 0.0437, 1.0, 123.0})
     EXPECT_NEAR(bin_distance_m(distance_bin(distance_m)) / distance_m, 1.0, 0.008);
   EXPECT_EQ(bin_distance_m(distance_bin(0.0)), 0.0);
+  for (const double distance_m : {1e-300, 1e300}) EXPECT_LT(distance_bin(distance_m), kDistanceBins);
+}
+
+// Trials are solved by chunks; the last one may hold a single trial.
+TEST(Sweep, EveryTrialIsOneOfItsCell) {
+  const SweepSummary run = swept(sweep_plan_of(
+      kOneRig +
+      fmt::format(R"(, "thresholds": [1e-4], "error_ranges_cm": [[0, 5]], "trials": {})", kChunkTrials + 1)));
+  for (const SweepCell& cell : run.cells) EXPECT_EQ(cell.asked, kChunkTrials + 1);
 }
 
 TEST(SweepSums, FollowFromTheTrialsByPencil) {
