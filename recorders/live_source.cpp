@@ -3,7 +3,6 @@
 
 #include <chrono>
 
-#include "datasets/base/error.h"
 #include "datasets/base/time.h"
 #include "recorders/frame_source.h"
 
@@ -60,15 +59,6 @@ bool LiveSource::wait_until(std::int64_t host_ns) {
   std::unique_lock lock(mutex_);
   stop_changed_.wait_until(lock, until, [&] { return stopped_; });
   return !stopped_;
-}
-
-// True when the event does not arrive.
-bool LiveSource::spoiled(SourceEvent& event, std::int64_t due_ns) {
-  const SourceFaults& f = options_.faults;
-  const double due_s = static_cast<double>(due_ns) * 1e-9;
-  if (f.unplugged_at_s >= 0.0 && due_s >= f.unplugged_at_s)
-    throw InputError("the sensor", "is no longer there (unplugged, as was asked for)");
-  return stamp_of(event) && f.stall_at_s >= 0.0 && due_s >= f.stall_at_s && due_s < f.stall_at_s + f.stall_s;
 }
 
 void LiveSource::move_to_now(SourceEvent& event) const {
@@ -128,7 +118,7 @@ std::optional<SourceEvent> LiveSource::next() {
       options_.speed > 0.0 ? start_ns + static_cast<std::int64_t>(static_cast<double>(due) / options_.speed)
                            : 0;
   if (options_.speed > 0.0 && !wait_until(due_host_ns)) return std::nullopt;
-  if (spoiled(event, due) || too_late(event, due_host_ns)) return lost(event);
+  if (too_late(event, due_host_ns)) return lost(event);
   move_to_now(event);
   return std::move(event);
 }

@@ -14,18 +14,11 @@
 
 namespace trilat {
 
-// What can go wrong with a sensor, to be tried without one. Seconds since the start; negative: never.
-struct SourceFaults {
-  double stall_at_s = -1.0, stall_s = 0.0;  // nothing comes meanwhile, and the frames are lost
-  double unplugged_at_s = -1.0;             // the source breaks
-};
-
 struct LiveOptions {
   double speed = 1.0;           // times real time; 0: as fast as they are taken, nothing is ever dropped
   bool stamp_arrivals = false;  // with the clock of this machine, as a sensor's driver would; speed 1 only
   bool one_clock = false;       // arrivals are on the frames' host clock, not on those of other machines
   std::int64_t origin_ns = 0;   // what the frames' host clock shows at the start
-  SourceFaults faults;
 };
 
 // Delivers what another source has as a sensor would: each event at its time, moved to now on the host clock,
@@ -46,7 +39,6 @@ class LiveSource : public FrameSource {
   // Since the start, by the clock that stamped the event.
   std::int64_t due_ns(const SourceEvent& event);
   bool wait_until(std::int64_t host_ns);
-  bool spoiled(SourceEvent& event, std::int64_t due_ns);
   // True when the event comes so late that its stamp would not be a sensor's; then it is lost.
   bool too_late(const SourceEvent& event, std::int64_t due_host_ns) const;
   SourceEvent lost(const SourceEvent& event);

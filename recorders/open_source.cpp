@@ -43,16 +43,6 @@ struct SourceText {
     const auto text = take(key);
     return text ? number(key, *text, least, most) : otherwise;
   }
-  // AT+SECONDS
-  void take_pair(const std::string& key, double& at, double& seconds) {
-    const auto text = take(key);
-    if (!text) return;
-    const std::size_t plus = text->find('+');
-    if (plus == std::string::npos)
-      refuse(key + " must be AT+SECONDS, for example 10+2.5, is \"" + *text + '"');
-    at = number(key, text->substr(0, plus), 0.0, 1e6);
-    seconds = number(key, text->substr(plus + 1), 0.0, 1e6);
-  }
   void refuse_the_rest(const std::string& known) const {
     if (!settings.empty())
       refuse("a " + kind + " source has no setting \"" + settings.begin()->first + "\"; it has " + known);
@@ -96,15 +86,11 @@ SyntheticRequest read_synthetic(SourceText text) {
     if (*depth != "yes" && *depth != "no") text.refuse("depth must be yes or no, is \"" + *depth + '"');
     request.depth = *depth == "yes";
   }
-  request.dropped_share = text.take_number("drop", request.dropped_share, 0.0, 1.0);
-  SourceFaults& faults = request.live.faults;
-  text.take_pair("stall", faults.stall_at_s, faults.stall_s);
-  faults.unplugged_at_s = text.take_number("unplug", -1.0, 0.0, 1e6);
   request.live.speed = take_speed(text);
   request.live.stamp_arrivals = request.live.speed == 1.0;
   request.live.one_clock = true;
   request.live.origin_ns = kMotionStart.ns;
-  text.refuse_the_rest("seed, depth, duration, drop, stall, unplug, speed");
+  text.refuse_the_rest("seed, depth, duration, speed");
   return request;
 }
 
@@ -134,7 +120,7 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
 SyntheticSetup setup_of(const SyntheticRequest& request) {
   SyntheticSetup setup;
   setup.simulation.seed = request.seed;
-  setup.simulation.sensor.dropped_share = request.dropped_share;
+  setup.simulation.sensor.dropped_share = 0.0;
   const std::vector<double> heights_m = setup.simulation.rig.heights_m;
   setup.simulation.rig.heights_m.resize(request.sensors);
   for (std::size_t s = 0; s < request.sensors; ++s)
@@ -167,8 +153,8 @@ std::unique_ptr<FrameSource> open_source(const std::string& text, const std::str
 }
 
 std::string source_help() {
-  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,drop=SHARE "
-         ",stall=AT+SECONDS ,unplug=AT ,speed=FACTOR or ,speed=max)";
+  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,speed=FACTOR or "
+         ",speed=max)";
 }
 
 PrefetchSource::PrefetchSource(std::unique_ptr<FrameSource> inner, std::size_t events_ahead)

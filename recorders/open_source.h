@@ -24,7 +24,6 @@ struct SyntheticRequest {
   std::uint64_t seed = 1;
   bool depth = true;
   double duration_s = 86400.0;
-  double dropped_share = 0.0;  // of frames; a recording says what it loses
   LiveOptions live;
 };
 

@@ -46,7 +46,7 @@ struct Rendered {
 // Four, with the declared noise.
 std::vector<Rendered> render(double seconds) {
   const auto source =
-      open_source(fmt::format("synthetic:{},duration={},drop=0,speed=max", kSensors, seconds));
+      open_source(fmt::format("synthetic:{},duration={},speed=max", kSensors, seconds));
   std::vector<Rendered> rendered(kSensors);
   while (auto event = source->next()) {
     if (auto* frame = std::get_if<BodyFrame>(&event->data))

@@ -29,7 +29,7 @@ void wait_for(const std::function<bool()>& condition) {
 
 TEST(Record, WritesASessionAndSaysWhatIsInIt) {
   const ScratchFolder folder;
-  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,drop=0,duration=0.5,speed=max",
+  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,duration=0.5,speed=max",
                                           "-o", in(folder, "s.h5"), "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   const Json json = only_json(ended);
