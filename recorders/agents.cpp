@@ -34,11 +34,16 @@ double age_s(std::chrono::steady_clock::time_point then) {
 
 }  // namespace
 
-std::filesystem::path receive_socket() {
-  const char* folder = std::getenv("XDG_RUNTIME_DIR");
-  return folder && *folder
-             ? std::filesystem::path(folder) / "trilat" / "recorder"
-             : std::filesystem::path("/tmp") / fmt::format("trilat-{}", ::getuid()) / "recorder";
+std::vector<std::filesystem::path> receive_sockets() {
+  std::vector<std::filesystem::path> folders;
+  if (const char* folder = std::getenv("XDG_RUNTIME_DIR"); folder && *folder) folders.emplace_back(folder);
+  // a login by SSH may lack the variable that the recorder's has
+  const std::filesystem::path own = fmt::format("/run/user/{}", ::getuid());
+  if (std::filesystem::exists(own)) folders.push_back(own);
+  for (std::filesystem::path& folder : folders) folder /= "trilat";
+  folders.push_back(fmt::format("/tmp/trilat-{}", ::getuid()));
+  for (std::filesystem::path& folder : folders) folder /= "recorder";
+  return folders;
 }
 
 std::filesystem::path copy_name(const std::filesystem::path& session, const std::string& agent,

@@ -33,8 +33,8 @@ struct AgentsOptions {
       10000};  // without progress, agents are no longer waited for at the end
 };
 
-// Folder and name of the socket by which `trilat receive` reaches this user's recorder.
-std::filesystem::path receive_socket();
+// Places of the socket by which `trilat receive` reaches this user's recorder, which listens at the first.
+std::vector<std::filesystem::path> receive_sockets();
 
 // Name of the copy of an agent's log beside the session that it is to become part of.
 std::filesystem::path copy_name(const std::filesystem::path& session, const std::string& agent,

@@ -193,7 +193,7 @@ void print_summary(const CaptureSummary& summary, const std::filesystem::path& f
 // Where agents connect: this user's socket, which `trilat receive` leads to, or a port of this machine.
 std::unique_ptr<StreamListener> listener_of(const RecordArguments& arguments, LiveDisplay& display) {
   auto listener = arguments.listen.empty()
-                      ? std::make_unique<StreamListener>(receive_socket())
+                      ? std::make_unique<StreamListener>(receive_sockets().front())
                       : std::make_unique<StreamListener>(parse_address(arguments.listen));
   display.say(fmt::format("{}; waiting for {} agent{}",
                           arguments.listen.empty() ? "taking what `trilat receive` brings"
@@ -331,16 +331,17 @@ struct ReceiveArguments {};
 // Between standard input and output, as SSH carries them, and the recorder of this user.
 int receive(const ReceiveArguments&) {
   std::signal(SIGPIPE, SIG_IGN);
-  try {
-    const auto recorder = connect_local(receive_socket()), agent = standard_stream();
-    join_streams(*agent, *recorder);
-  } catch (const LinkLost& lost) {
-    throw InputError("trilat receive",
-                     std::string("finds no recorder of this user that waits for agents (`trilat record "
-                                 "--agents N`): ") +
-                         lost.what());
-  }
-  return kDone;
+  std::string problem;
+  for (const std::filesystem::path& path : receive_sockets()) try {
+      const auto recorder = connect_local(path), agent = standard_stream();
+      join_streams(*agent, *recorder);
+      return kDone;
+    } catch (const LinkLost& lost) {
+      problem = lost.what();
+    }
+  throw InputError(
+      "trilat receive",
+      "finds no recorder of this user that waits for agents (`trilat record --agents N`): " + problem);
 }
 
 }  // namespace

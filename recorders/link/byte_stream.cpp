@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -123,6 +124,16 @@ sockaddr_un local_address(const std::filesystem::path& path) {
   return address;
 }
 
+// InputError where somebody else could have put a socket of theirs there.
+void check_private(const std::filesystem::path& folder) {
+  struct stat found {};
+  if (::lstat(folder.c_str(), &found) != 0) throw LinkLost(folder.string() + ": " + reason());
+  if (!S_ISDIR(found.st_mode) || found.st_uid != ::getuid() || (found.st_mode & 077) != 0)
+    throw InputError(
+        folder.string(),
+        "must be a folder of this user that nobody else can enter (chmod 700); else it is not trusted");
+}
+
 Descriptor connected_to(const sockaddr_un& address) {
   Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (socket.fd >= 0 &&
@@ -178,6 +189,7 @@ std::unique_ptr<ByteStream> run_program(const std::vector<std::string>& words) {
 }
 
 std::unique_ptr<ByteStream> connect_local(const std::filesystem::path& path) {
+  check_private(path.parent_path());
   Descriptor socket = connected_to(local_address(path));
   if (socket.fd < 0) throw LinkLost(path.string() + ": " + reason());
   return socket_stream(std::move(socket));
@@ -221,8 +233,10 @@ StreamListener::StreamListener(const SocketAddress& address) {
 
 StreamListener::StreamListener(const std::filesystem::path& path) : path_(path) {
   const sockaddr_un address = local_address(path);
-  std::filesystem::create_directories(path.parent_path());
-  std::filesystem::permissions(path.parent_path(), std::filesystem::perms::owner_all);
+  std::error_code ignored;
+  std::filesystem::create_directories(path.parent_path().parent_path(), ignored);
+  ::mkdir(path.parent_path().c_str(), 0700);
+  check_private(path.parent_path());
   if (connected_to(address).fd >= 0)
     throw InputError(path.string(),
                      "is in use: another recording of this user waits for agents or takes them");

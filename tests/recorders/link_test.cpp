@@ -150,6 +150,9 @@ TEST(ByteStream, ASocketOfThisUserLeadsToOneListener) {
   }
   EXPECT_FALSE(std::filesystem::exists(path));
   EXPECT_THROW(connect_local(path), LinkLost);
+  std::filesystem::permissions(path.parent_path(), std::filesystem::perms(0755));
+  EXPECT_THAT(message_of([&] { connect_local(path); }), HasSubstr("nobody else can enter"));
+  EXPECT_THAT(message_of([&] { StreamListener listener(path); }), HasSubstr("nobody else can enter"));
 }
 
 TEST(ByteStream, NothingIsListenedOnOrReachedBeyondThisMachine) {
