@@ -23,6 +23,7 @@
 #include "datasets/session/session_reader.h"
 #include "datasets/session/write_session.h"
 #include "recorders/capture.h"
+#include "tests/recorders/link_torture.h"
 #include "tests/recorders/pattern_source.h"
 
 namespace trilat {
@@ -224,14 +225,26 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
 }  // namespace trilat
 
 int main(int argc, char** argv) {
-  CLI::App app("Kills a recording process, or lets its disk run full, and sees what can be recovered");
-  int kills = 300, full_disks = 50;
+  CLI::App app(
+      "Kills recorders and agents, lets disks run full, breaks links, spoils logs, and sees what is left");
+  int kills = 300, full_disks = 50, link_kills = 300, outages = 200, logs = 10000;
+  double longest_s = 60.0;
   std::uint64_t seed = 1;
   std::string folder = (std::filesystem::temp_directory_path() / "trilat_torture").string();
-  app.add_option("--kills", kills)->capture_default_str();
+  app.add_option("--kills", kills, "of a recorder of local sensors")->capture_default_str();
   app.add_option("--full-disks", full_disks)->capture_default_str();
+  app.add_option("--link-kills", link_kills, "of recorder, agent or both")->capture_default_str();
+  app.add_option("--outages", outages, "of the link")->capture_default_str();
+  app.add_option("--longest-s", longest_s, "of an outage")->capture_default_str();
+  app.add_option("--logs", logs, "that are cut or flipped")->capture_default_str();
   app.add_option("--seed", seed)->capture_default_str();
   app.add_option("--folder", folder)->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  return trilat::torture(kills, full_disks, seed, folder);
+  std::signal(SIGPIPE, SIG_IGN);
+  std::filesystem::create_directories(folder);
+  int failed = kills + full_disks > 0 ? trilat::torture(kills, full_disks, seed, folder) : 0;
+  failed += trilat::torture_with_kills(link_kills, seed, folder);
+  failed += trilat::torture_with_outages(outages, longest_s, seed, folder);
+  failed += trilat::torture_logs(logs, seed, folder);
+  return failed == 0 ? 0 : 1;
 }
