@@ -298,13 +298,14 @@ void Agents::sync_and_acknowledge(ByteStream& stream, Agent& agent, Copy* copy, 
   }
   if (Clock::now() - acknowledged < kAckPeriod && size - synced < kMostUnsynced_bytes && !has_ended) return;
   if (file && size > synced) file->sync();
+  if (copy) {
+    const std::lock_guard lock(mutex_);
+    if (agent.connection != number) return;
+    copy->synced = std::max(copy->synced, size);
+    copy->done = copy->has_ended && copy->synced == copy->size;
+  }
   acknowledged = Clock::now();
   stream.write_all(encode_message(AckMessage{size, draining_}));
-  if (!copy) return;
-  const std::lock_guard lock(mutex_);
-  if (agent.connection != number) return;
-  copy->synced = std::max(copy->synced, size);
-  copy->done = copy->has_ended && copy->synced == copy->size;
 }
 
 // Under the lock.

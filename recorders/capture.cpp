@@ -111,6 +111,7 @@ class Recording {
                        fmt::format("{} agents were awaited for {:.0f} s, came: {}; wait longer with --wait-s",
                                    options_.agents, options_.wait_s, came.empty() ? "none" : came));
     }
+    log_->begin();
     agents_->begin();
     start_ = last_look_ = Clock::now();
   }

@@ -35,7 +35,8 @@ enum RecordType : std::uint8_t {
   kDropsRecord,
   kNoticeRecord,
   kMarkRecord,
-  kEndRecord
+  kEndRecord,
+  kBeginRecord
 };
 
 struct MarkRecord {
@@ -43,6 +44,9 @@ struct MarkRecord {
 };
 struct EndRecord {
   std::string problem;
+};
+struct BeginRecord {
+  std::int64_t unix_ns = 0;
 };
 
 void pass(auto& bytes, Is<LogHead> auto& head) {
@@ -72,6 +76,7 @@ void pass(auto& bytes, Is<MarkRecord> auto& mark) {
   bytes.number(mark.id);
   bytes.number(mark.offset);
 }
+void pass(auto& bytes, Is<BeginRecord> auto& begin) { bytes.number(begin.unix_ns); }
 void pass(auto& bytes, Is<EndRecord> auto& end) { bytes.text(end.problem, kMaxTextBytes); }
 
 std::vector<std::byte> bytes_of(const auto& value) {
@@ -145,7 +150,7 @@ Look look_at(std::span<const std::byte> bytes, std::size_t& size) {
   const auto length = in.get<std::uint32_t>();
   const auto type = in.get<std::uint8_t>();
   in.get<std::uint8_t>();
-  if (in.get<std::uint16_t>() != kSync || length > kMaxPayload || type < kHeadRecord || type > kEndRecord)
+  if (in.get<std::uint16_t>() != kSync || length > kMaxPayload || type < kHeadRecord || type > kBeginRecord)
     return Look::damaged;
   size = kRecordFrame + length;
   if (bytes.size() < size) return Look::more_needed;
@@ -160,10 +165,15 @@ bool is_believable(const LogHead& head) {
 
 }  // namespace
 
+namespace {
+
+std::int64_t since_epoch(auto now) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count();
+}
+
+}  // namespace
+
 LogHead new_log_head(const SessionHeader& session, std::uint64_t recording, const std::string& agent) {
-  const auto since_epoch = [](auto now) {
-    return std::int64_t{std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count()};
-  };
   std::random_device device;
   return {
       std::uint64_t{device()} << 32 | device(),      recording, since_epoch(std::chrono::steady_clock::now()),
@@ -242,6 +252,11 @@ bool LogScanner::take_record(std::span<const std::byte> record) {
   }
   if (!has_head_) return false;
   if (type == kMarkRecord) return value_of<MarkRecord>(payload).has_value();
+  if (type == kBeginRecord) {
+    const auto begin = value_of<BeginRecord>(payload);
+    if (begin && summary_.begin_unix_ns == 0) summary_.begin_unix_ns = begin->unix_ns;
+    return begin.has_value();
+  }
   if (type == kEndRecord) {
     const auto end = value_of<EndRecord>(payload);
     if (!end) return false;
@@ -371,6 +386,10 @@ void EventLogWriter::append_record(std::uint8_t type, std::size_t sensor,
   }
   add(record);
   if (gathered_.size() >= kBlock) changed_.notify_all();
+}
+
+void EventLogWriter::begin() {
+  append_record(kBeginRecord, 0, bytes_of(BeginRecord{since_epoch(std::chrono::system_clock::now())}));
 }
 
 void EventLogWriter::finish(const std::string& problem) {

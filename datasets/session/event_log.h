@@ -46,11 +46,12 @@ struct LogGap {
 struct LogSummary {
   LogHead head;
   std::uint64_t records = 0;
-  std::uint64_t end = 0;        // offset behind the last whole record
-  std::uint64_t cut_bytes = 0;  // behind `end`: the beginning of a record, as a kill leaves it
-  bool finished = false;        // its writer ended it in order
-  std::string problem;          // of a finished one: why its source ended, where that broke
-  std::vector<LogGap> gaps;     // damaged bytes before `end`, the first kMaxLogGaps of them
+  std::uint64_t end = 0;           // offset behind the last whole record
+  std::uint64_t cut_bytes = 0;     // behind `end`: the beginning of a record, as a kill leaves it
+  std::int64_t begin_unix_ns = 0;  // wall clock when its recording began; 0: of an agent, or before that
+  bool finished = false;           // its writer ended it in order
+  std::string problem;             // of a finished one: why its source ended, where that broke
+  std::vector<LogGap> gaps;        // damaged bytes before `end`, the first kMaxLogGaps of them
   std::uint64_t gap_count = 0;
 };
 inline constexpr std::size_t kMaxLogGaps = 1000;
@@ -116,6 +117,8 @@ class EventLogWriter {
 
   // Any thread. Waits while 64 MB wait for the disk. OutputError when the disk failed.
   void append(std::size_t sensor, const LogEvent& event);
+  // From now on the recording that this log is of wants frames of all its agents.
+  void begin();
   // Marks the log as ended in order and puts it on the disk. `problem`: why the source ended, where that
   // broke.
   void finish(const std::string& problem = {});

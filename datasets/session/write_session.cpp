@@ -118,6 +118,12 @@ class LogCopy {
   void take(std::size_t sensor, LogEvent&& event) {
     std::visit([&](auto& data) { add(log_->sensors[sensor], data); }, event);
   }
+  // The present log said when its recording began.
+  void note_begin(const LogSummary& log) {
+    if (log.begin_unix_ns == 0 || begin_unix_ns_ != 0) return;
+    begin_unix_ns_ = log.begin_unix_ns;
+    recording_ = log.head.recording;
+  }
   // Frames that are known to be missing behind the present log's end.
   void add_missing() {
     if (log_->input.missing_frames == 0 || log_->sensors.empty()) return;
@@ -139,20 +145,27 @@ class LogCopy {
   // Counts what was not recorded between two logs of a sensor as lost at the source.
   void count_gap(std::size_t s, std::int64_t now_unix_ns, StreamEnd& end) {
     constexpr double kOverlap_s = 1.0;  // clocks are corrected meanwhile
-    if (end.log != 0 && end.log != log_->head.id) {
-      const double gap_s = 1e-9 * static_cast<double>(now_unix_ns - end.unix_ns);
-      if (gap_s < -kOverlap_s)
+    constexpr double kStartUp_frames = 30.0;
+    const double rate_hz = header_.sensors[s].nominal_rate_hz;
+    const bool is_first = end.log == 0;
+    if (is_first && (log_->head.agent.empty() || recording_ == 0 || log_->head.recording != recording_)) {
+      // alone, or of the recorder itself: it is there from its beginning on
+    } else if (end.log != log_->head.id) {
+      const double gap_s =
+          1e-9 * static_cast<double>(now_unix_ns - (is_first ? begin_unix_ns_ : end.unix_ns));
+      if (!is_first && gap_s < -kOverlap_s)
         throw InputError(
             log_->input.path.string(),
             fmt::format("overlaps with another log of {} by {:.1f} s; join those that follow each other",
                         header_.sensors[s].name, -gap_s));
-      const auto frames =
-          static_cast<std::int64_t>(std::lround(gap_s * header_.sensors[s].nominal_rate_hz)) - 1;
-      if (frames > 0) {
+      const auto frames = static_cast<std::int64_t>(std::lround(gap_s * rate_hz)) - 1;
+      if (frames > 0 && (!is_first || gap_s * rate_hz > kStartUp_frames)) {
         joined_[s].before.at_source += frames;
         written_[s].drops.at_source += frames;
         to_.add_drop_count(s, written_[s].drops);
-        to_.add_notice(s, {0, fmt::format("{:.1f} s between two logs were not recorded", gap_s)});
+        to_.add_notice(s,
+                       {0, is_first ? fmt::format("the first {:.1f} s of the recording did not arrive", gap_s)
+                                    : fmt::format("{:.1f} s between two logs were not recorded", gap_s)});
       }
     }
     end = {now_unix_ns, log_->head.id};
@@ -193,6 +206,8 @@ class LogCopy {
   std::vector<SensorWritten>& written_;
   std::vector<JoinedSensor> joined_;
   const OpenedLog* log_ = nullptr;
+  std::int64_t begin_unix_ns_ = 0;  // of the recording, by its recorder
+  std::uint64_t recording_ = 0;
 };
 
 // What a person should know of how this log was read; empty where all is whole.
@@ -236,6 +251,7 @@ LogsWritten write_session(const std::vector<LogInput>& inputs, const std::filesy
     };
     const auto take = [&](std::size_t sensor, LogEvent&& event) { copy.take(sensor, std::move(event)); };
     result.logs.push_back(read_event_log(logs[i].input.path, take, part));
+    copy.note_begin(result.logs.back());
     copy.add_missing();
     if (const std::string state = state_of(result.logs.back()); !state.empty())
       for (const std::size_t s : logs[i].sensors) writer.add_notice(s, {0, state});

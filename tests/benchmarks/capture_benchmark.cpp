@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -45,8 +46,7 @@ struct Rendered {
 
 // Four, with the declared noise.
 std::vector<Rendered> render(double seconds) {
-  const auto source =
-      open_source(fmt::format("synthetic:{},duration={},speed=max", kSensors, seconds));
+  const auto source = open_source(fmt::format("synthetic:{},duration={},speed=max", kSensors, seconds));
   std::vector<Rendered> rendered(kSensors);
   while (auto event = source->next()) {
     if (auto* frame = std::get_if<BodyFrame>(&event->data))
@@ -103,6 +103,7 @@ class LoopedSource : public FrameSource {
 
 struct Measured {
   double wall_s = 0.0, cores = 0.0, share_of_raw = 0.0;
+  double end_s_per_gb = 0.0;  // from the last frame to the session that was read back
   std::int64_t lost = 0;
   double peak_waiting_mb = 0.0;
 };
@@ -114,13 +115,25 @@ Measured record_at(const std::vector<Rendered>& rendered, double speed, double s
   options.on_status = [&](const CaptureStatus& s) {
     m.peak_waiting_mb = std::max(m.peak_waiting_mb, 1e-6 * static_cast<double>(s.waiting_bytes));
   };
+  std::optional<Clock::time_point> writing;
+  double cores_s = 0.0;
+  options.on_writing = [&](double) {
+    if (!writing) {
+      writing = Clock::now();
+      cores_s = processor_s();
+    }
+    return true;
+  };
   std::vector<std::unique_ptr<FrameSource>> sources;
   sources.push_back(std::make_unique<LoopedSource>(rendered, kRate_hz * speed, seconds));
   const double before_s = processor_s();
   const auto start = Clock::now();
   const CaptureSummary summary = capture(sources, path, options);
-  m.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
-  m.cores = (processor_s() - before_s) / m.wall_s;
+  const auto seconds_of = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
+  m.wall_s = seconds_of(writing.value_or(Clock::now()) - start);
+  m.cores = (cores_s - before_s) / m.wall_s;
+  m.end_s_per_gb = 1e9 * seconds_of(Clock::now() - writing.value_or(Clock::now())) /
+                   static_cast<double>(summary.session_bytes);
   std::uint64_t frames = 0;
   for (const SensorStatus& s : summary.last.sensors) {
     frames += s.depth_frames;
@@ -165,10 +178,17 @@ void run(double seconds, double step_seconds, const std::filesystem::path& folde
   fmt::print("rendering 2 s of four virtual Kinects with the declared noise (simulated)\n");
   const std::vector<Rendered> rendered = render(2.0);
   const Measured real = record_at(rendered, 1.0, seconds, folder / "session.h5");
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
   fmt::print(
       "real time, {:.0f} s: {} frames lost, {:.2f} cores (the source's copies included), file {:.1f} % of "
-      "raw depth, at most {:.0f} MB waiting\n",
-      real.wall_s, real.lost, real.cores, 100.0 * real.share_of_raw, real.peak_waiting_mb);
+      "raw depth, at "
+      "most {:.0f} MB waiting; its end takes {:.1f} s a GB, read back; {:.0f} MB of memory, of which {:.0f} "
+      "are the "
+      "source's frames\n",
+      real.wall_s, real.lost, real.cores, 100.0 * real.share_of_raw, real.peak_waiting_mb, real.end_s_per_gb,
+      1e-3 * static_cast<double>(usage.ru_maxrss),
+      1e-6 * static_cast<double>(2 * kDepthPixels * kSensors * rendered[0].depth.size()));
   for (const double speed : {2.0, 4.0, 6.0, 8.0, 12.0, 16.0}) {
     const Measured m = record_at(rendered, speed, step_seconds, folder / "session.h5");
     fmt::print("{:>4.0f} x {:.0f} MB/s, {:.0f} s: {} frames lost, {:.2f} cores, at most {:.0f} MB waiting\n",

@@ -324,6 +324,35 @@ TEST(WriteSession, WhatIsDamagedCostsNoMoreThanItselfAndIsReported) {
   EXPECT_THAT(session.notices(0).at(0).text, HasSubstr("was not ended in order"));
 }
 
+// Its first log never came: its agent was killed before.
+TEST(WriteSession, ASensorThatComesLateHasLostTheBeginning) {
+  const ScratchFolder folder;
+  for (const double late_s : {0.5, 10.0}) {
+    LogHead own = new_log_head({});
+    own.recording = own.id;
+    {
+      EventLogWriter log(folder / "own", own);
+      log.begin();
+      log.finish();
+      LogHead head = new_log_head(header_of(1), own.id, "k1");
+      EventLogWriter agent(folder / "agent", head);
+      for (std::int64_t i = 0; i < 10; ++i) {
+        BodyFrame frame = body_frame_of(i, 1);
+        frame.stamp.arrival_ns = head.start_ns + static_cast<std::int64_t>(1e9 * late_s) + i * 33'333'300;
+        agent.append(0, frame);
+      }
+      agent.finish();
+    }
+    const LogsWritten written = write_session({{folder / "agent"}, {folder / "own"}}, folder / "s.h5");
+    EXPECT_EQ(written.sensors.at(0).name, "k1");
+    EXPECT_NEAR(static_cast<double>(written.sensors[0].drops.at_source),
+                late_s > 1.0 ? 30.0 * late_s - 1.0 : 0.0, 2.0);
+    const SessionReader session(folder / "s.h5");
+    EXPECT_EQ(session.drop_counts(0).empty(), late_s < 1.0);
+    for (const char* name : {"own", "agent"}) std::filesystem::remove(folder / name);
+  }
+}
+
 TEST(WriteSession, ARecordingIsClosedByTakingItsLogAway) {
   const ScratchFolder folder;
   for (const bool finish : {true, false}) {

@@ -219,6 +219,11 @@ std::string kill_trial(const RandomStream& random, const std::filesystem::path& 
   pid_t recorder = record(), agent = send();
   while (shared.made == 0) std::this_thread::sleep_for(milliseconds(2));
   const std::int64_t first = shared.made - 1;
+  // what never reached the recorder is counted by the time only
+  while (std::ranges::none_of(logs_beside(session), [&](const auto& log) {
+    return log.filename().string().starts_with("s.h5.k1.") && std::filesystem::file_size(log) > 1000;
+  }))
+    std::this_thread::sleep_for(milliseconds(2));
   std::this_thread::sleep_for(std::chrono::duration<double>(0.1 + 1.5 * random.uniform(0)));
   if (kill_recorder) kill_now(recorder);
   if (kill_agent) kill_now(agent);
