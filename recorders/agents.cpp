@@ -141,12 +141,12 @@ void Agents::answer_pings(ByteStream& stream, MessageReader& reader) {
   Clock::time_point heard = Clock::now();
   for (std::byte block[256]; !ended_ && Clock::now() - heard < options_.silence_limit;) {
     const std::size_t count = stream.read_some(block, kLookPeriod);
-    const std::int64_t received_ns = steady_now_ns();
+    const std::int64_t received_ns = host_now_ns();
     if (count > 0) heard = Clock::now();
     reader.add(std::span<const std::byte>(block).first(count));
     while (const auto message = reader.next())
       if (std::holds_alternative<PingMessage>(*message))
-        stream.write_all(encode_message(PongMessage{received_ns, steady_now_ns()}));
+        stream.write_all(encode_message(PongMessage{received_ns, host_now_ns()}));
   }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "datasets/session/host_clock.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {
@@ -51,12 +51,5 @@ class FrameSource {
   // for is then dropped and counted. Otherwise the source waits for the recorder.
   virtual bool live() const { return false; }
 };
-
-// This machine's monotonic clock, which stamps arrivals and clock exchanges.
-inline std::int64_t steady_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace trilat

@@ -28,7 +28,7 @@ LiveSource::LiveSource(std::unique_ptr<FrameSource> inner, const LiveOptions& op
 std::int64_t LiveSource::start() {
   if (!start_ns_) {
     look_ahead();  // what is due first is made before the clock starts
-    start_ns_ = steady_now_ns();
+    start_ns_ = host_now_ns();
   }
   return *start_ns_;
 }
@@ -55,16 +55,15 @@ std::int64_t LiveSource::due_ns(const SourceEvent& event) {
 }
 
 bool LiveSource::wait_until(std::int64_t host_ns) {
-  const std::chrono::steady_clock::time_point until{std::chrono::nanoseconds(host_ns)};
   std::unique_lock lock(mutex_);
-  stop_changed_.wait_until(lock, until, [&] { return stopped_; });
+  stop_changed_.wait_for(lock, std::chrono::nanoseconds(host_ns - host_now_ns()), [&] { return stopped_; });
   return !stopped_;
 }
 
 void LiveSource::move_to_now(SourceEvent& event) const {
   const std::int64_t by_ns = *start_ns_ - options_.origin_ns;
   if (FrameStamp* stamp = stamp_of(event))
-    stamp->arrival_ns = options_.stamp_arrivals ? steady_now_ns() : stamp->arrival_ns + by_ns;
+    stamp->arrival_ns = options_.stamp_arrivals ? host_now_ns() : stamp->arrival_ns + by_ns;
   if (auto* e = std::get_if<ClockExchange>(&event.data))
     for (std::int64_t* t : {&e->t1_ns, &e->t2_ns, &e->t3_ns, &e->t4_ns}) *t += by_ns;
   if (auto* count = std::get_if<DropCount>(&event.data)) count->host_ns += by_ns;
@@ -93,7 +92,7 @@ std::optional<std::pair<std::int64_t, SourceEvent>> LiveSource::earliest() {
 bool LiveSource::too_late(const SourceEvent& event, std::int64_t due_host_ns) const {
   constexpr std::int64_t kLate_ns = 200'000'000;  // six frames
   return options_.stamp_arrivals && stamp_of(const_cast<SourceEvent&>(event)) &&
-         steady_now_ns() - due_host_ns > kLate_ns;
+         host_now_ns() - due_host_ns > kLate_ns;
 }
 
 // A frame whose bodies and depth are both lost is lost once.
@@ -102,7 +101,7 @@ SourceEvent LiveSource::lost(const SourceEvent& event) {
   const std::int64_t number = stamp_of(const_cast<SourceEvent&>(event))->sequence;
   if (number != last_lost_[s]) ++lost_[s];
   last_lost_[s] = number;
-  return {s, DropCount{steady_now_ns(), lost_[s], 0}};
+  return {s, DropCount{host_now_ns(), lost_[s], 0}};
 }
 
 std::optional<SourceEvent> LiveSource::next() {

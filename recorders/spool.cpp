@@ -260,7 +260,7 @@ void Spool::store(std::size_t s, SourceEvent event) {
 
 void Spool::notice(std::size_t s, const std::string& text) {
   try {
-    log()->append(s, SensorNotice{steady_now_ns(), text});
+    log()->append(s, SensorNotice{host_now_ns(), text});
   } catch (const OutputError& error) {
     fail(error.what());
   }
@@ -289,7 +289,7 @@ void Spool::look_after() {
         notices.emplace_back(
             s, std::string("no frame of ") + stream->name + " for " + seconds_text(options_.silence_s));
       }
-      const DropCount count{steady_now_ns(),
+      const DropCount count{host_now_ns(),
                             std::max(sensor.counted_at_source, sensor.bodies.missing + sensor.depth.missing),
                             sensor.dropped + sensor.lost_on_the_way};
       if (count.at_source == sensor.stored_drops.at_source && count.in_queue == sensor.stored_drops.in_queue)

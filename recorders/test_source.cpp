@@ -53,12 +53,12 @@ std::optional<SourceEvent> TestSource::next() {
     bodies_.reset();
     return event;
   }
-  if (start_ns_ == 0) start_ns_ = steady_now_ns();
+  if (start_ns_ == 0) start_ns_ = host_now_ns();
   const std::int64_t due_ns = start_ns_ + frame_ * kPeriodNs;
-  for (std::int64_t left_ns; !stopped_ && (left_ns = due_ns - steady_now_ns()) > 0;)
+  for (std::int64_t left_ns; !stopped_ && (left_ns = due_ns - host_now_ns()) > 0;)
     std::this_thread::sleep_for(std::min(std::chrono::nanoseconds(left_ns), kLookPeriod));
   if (stopped_ || frame_ >= frames_) return std::nullopt;
-  const FrameStamp stamp{frame_, frame_ * kPeriodNs / header_.sensors[0].tick_ns, steady_now_ns()};
+  const FrameStamp stamp{frame_, frame_ * kPeriodNs / header_.sensors[0].tick_ns, host_now_ns()};
   bodies_ = one_body(frame_);
   bodies_->stamp = stamp;
   return SourceEvent{0, DepthFrame{stamp, slope(frame_++)}};

@@ -14,6 +14,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/session/event_bytes.h"
+#include "datasets/session/host_clock.h"
 
 namespace trilat {
 namespace {
@@ -167,17 +168,16 @@ bool is_believable(const LogHead& head) {
 
 namespace {
 
-std::int64_t since_epoch(auto now) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now.time_since_epoch()).count();
+std::int64_t unix_now_ns() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count();
 }
 
 }  // namespace
 
 LogHead new_log_head(const SessionHeader& session, std::uint64_t recording, const std::string& agent) {
   std::random_device device;
-  return {
-      std::uint64_t{device()} << 32 | device(),      recording, since_epoch(std::chrono::steady_clock::now()),
-      since_epoch(std::chrono::system_clock::now()), agent,     session};
+  return {std::uint64_t{device()} << 32 | device(), recording, host_now_ns(), unix_now_ns(), agent, session};
 }
 
 LogScanner::LogScanner(std::string place, TakeEvent take, LogHead head, std::uint64_t offset)
@@ -388,9 +388,7 @@ void EventLogWriter::append_record(std::uint8_t type, std::size_t sensor,
   if (gathered_.size() >= kBlock) changed_.notify_all();
 }
 
-void EventLogWriter::begin() {
-  append_record(kBeginRecord, 0, bytes_of(BeginRecord{since_epoch(std::chrono::system_clock::now())}));
-}
+void EventLogWriter::begin() { append_record(kBeginRecord, 0, bytes_of(BeginRecord{unix_now_ns()})); }
 
 void EventLogWriter::finish(const std::string& problem) {
   append_record(kEndRecord, 0, bytes_of(EndRecord{problem}));

@@ -154,7 +154,7 @@ void write_campaign_of(FrameSource& source, const std::filesystem::path& session
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z at host clock {} ns",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)), steady_now_ns());
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)), host_now_ns());
 }
 
 const char* name_of(CaptureEnd end) {

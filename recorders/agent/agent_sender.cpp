@@ -205,13 +205,13 @@ void AgentSender::exchange_stamps(ByteStream& stream) {
   MessageReader reader;
   stream.write_all(encode_message(HelloMessage{LinkRole::clock, options_.name, options_.run, 0, recording_}));
   const auto ping = [&](std::int64_t& sent_ns, std::int64_t& answered_ns) {
-    sent_ns = steady_now_ns();
+    sent_ns = host_now_ns();
     stream.write_all(encode_message(PingMessage{}));
     const Clock::time_point start = Clock::now();
     std::byte block[256];
     while (!ended_ && Clock::now() - start < options_.silence_limit) {
       reader.add(std::span<const std::byte>(block).first(stream.read_some(block, milliseconds(50))));
-      answered_ns = steady_now_ns();
+      answered_ns = host_now_ns();
       while (const auto message = reader.next()) {
         if (const auto* pong = std::get_if<PongMessage>(&*message)) return *pong;
         take(*message);

@@ -61,7 +61,7 @@ void KinectSource::describe() {
   sensor.source = "kinect-sdk";
   sensor.has_depth = true;
   const std::int64_t deadline_ns =
-      steady_now_ns() + std::chrono::nanoseconds(options_.first_frame_limit).count();
+      host_now_ns() + std::chrono::nanoseconds(options_.first_frame_limit).count();
   bool frames_came = false;
   for (;;) {
     if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
@@ -69,7 +69,7 @@ void KinectSource::describe() {
     ready_.clear();
     lost_ = 0;  // before the recording
     if (frames_came && read_intrinsics(sensor.intrinsics)) break;
-    if (steady_now_ns() < deadline_ns) continue;
+    if (host_now_ns() < deadline_ns) continue;
     throw InputError(kPlace, frames_came   ? "the sensor does not tell its intrinsics"
                              : available() ? "the sensor is there, but no frame came"
                                            : "no sensor is available: is it plugged into USB 3 and powered?");
@@ -102,7 +102,7 @@ bool KinectSource::available() {
 }
 
 std::optional<SourceEvent> KinectSource::next() {
-  if (last_frame_ns_ == 0) last_frame_ns_ = steady_now_ns();
+  if (last_frame_ns_ == 0) last_frame_ns_ = host_now_ns();
   while (ready_.empty() && !stopped_) {
     if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
     mind_silence();
@@ -117,11 +117,11 @@ std::optional<SourceEvent> KinectSource::next() {
 // the numbers as well, of which the recorder counts the larger.
 void KinectSource::lose(std::int64_t frames) {
   lost_ += frames;
-  ready_.push_back({0, DropCount{steady_now_ns(), lost_, 0}});
+  ready_.push_back({0, DropCount{host_now_ns(), lost_, 0}});
 }
 
 void KinectSource::take_frame() {
-  const std::int64_t arrival_ns = steady_now_ns();
+  const std::int64_t arrival_ns = host_now_ns();
   ComPointer<kinect::IMultiSourceFrameArrivedEventArgs> event;
   ComPointer<kinect::IMultiSourceFrameReference> reference;
   ComPointer<kinect::IMultiSourceFrame> frame;
@@ -171,7 +171,7 @@ bool KinectSource::has_frame() const {
 }
 
 void KinectSource::mind_silence() {
-  const std::int64_t now_ns = steady_now_ns();
+  const std::int64_t now_ns = host_now_ns();
   if (has_frame()) {
     last_frame_ns_ = now_ns;
     if (std::exchange(said_, {}).empty()) return;

@@ -86,7 +86,7 @@ class LoopedSource : public FrameSource {
     const Rendered& frames = sensors_[sensor];
     const std::size_t which =
         static_cast<std::size_t>(frame) % std::min(frames.bodies.size(), frames.depth.size());
-    const FrameStamp stamp{frame, static_cast<std::int64_t>(1e7 * since_start.count()), steady_now_ns()};
+    const FrameStamp stamp{frame, static_cast<std::int64_t>(1e7 * since_start.count()), host_now_ns()};
     if (part % 2 == 1) return SourceEvent{sensor, DepthFrame{stamp, frames.depth[which].depth_mm}};
     return SourceEvent{sensor,
                        BodyFrame{stamp, frames.bodies[which].floor_plane, frames.bodies[which].bodies}};

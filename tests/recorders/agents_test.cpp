@@ -81,8 +81,8 @@ class QuickSource : public PatternSource {
   std::optional<SourceEvent> stamped(std::optional<SourceEvent> event) {
     if (events_++ % (2 * sensors_) == 0) std::this_thread::sleep_for(milliseconds(3));
     if (!event) return event;
-    if (auto* frame = std::get_if<BodyFrame>(&event->data)) frame->stamp.arrival_ns = steady_now_ns();
-    if (auto* frame = std::get_if<DepthFrame>(&event->data)) frame->stamp.arrival_ns = steady_now_ns();
+    if (auto* frame = std::get_if<BodyFrame>(&event->data)) frame->stamp.arrival_ns = host_now_ns();
+    if (auto* frame = std::get_if<DepthFrame>(&event->data)) frame->stamp.arrival_ns = host_now_ns();
     return event;
   }
   std::size_t sensors_, events_ = 0;

@@ -44,19 +44,19 @@ class EternalSource : public FrameSource {
     sensor.nominal_rate_hz = kRate_hz;
     header_.sensors = {sensor};
     std::int64_t none = 0;
-    shared_.start_ns.compare_exchange_strong(none, steady_now_ns());
+    shared_.start_ns.compare_exchange_strong(none, host_now_ns());
   }
   const SessionHeader& header() const override { return header_; }
   bool live() const override { return true; }
   void stop() override { stopped_ = true; }
   std::optional<SourceEvent> next() override {
     const auto period_ns = static_cast<std::int64_t>(1e9 / kRate_hz);
-    if (frame_ < 0) frame_ = (steady_now_ns() - shared_.start_ns) / period_ns + 1;
-    while (!stopped_ && steady_now_ns() < shared_.start_ns + frame_ * period_ns)
+    if (frame_ < 0) frame_ = (host_now_ns() - shared_.start_ns) / period_ns + 1;
+    while (!stopped_ && host_now_ns() < shared_.start_ns + frame_ * period_ns)
       std::this_thread::sleep_for(std::chrono::microseconds(300));
     if (stopped_ || frame_ >= frames_) return std::nullopt;
     BodyFrame frame = PatternSource::bodies_of(0, frame_);
-    frame.stamp = {frame_, frame_ * 100'000, steady_now_ns()};
+    frame.stamp = {frame_, frame_ * 100'000, host_now_ns()};
     shared_.made = ++frame_;
     return SourceEvent{0, std::move(frame)};
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/open_source.h"
 
-#include <chrono>
-
 #include <gmock/gmock.h>
 
 #include "tests/support/scratch.h"
@@ -31,14 +29,9 @@ TEST(OpenSource, WrongTextsSayWhatWouldBeRight) {
 
 // The arrivals are those of this machine's clock; a second of them takes a second.
 TEST(OpenSource, ALiveSensorIsPacedAndStampedWithThisMachinesClock) {
-  const auto now_ns = [] {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  };
-  const std::int64_t before = now_ns();
+  const std::int64_t before = host_now_ns();
   const auto events = all_of(*open_source("synthetic:2,depth=no,duration=1"));
-  const std::int64_t after = now_ns();
+  const std::int64_t after = host_now_ns();
   EXPECT_GT(after - before, 900'000'000);
   std::size_t frames = 0;
   for (const SourceEvent& event : events)

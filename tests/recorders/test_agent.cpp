@@ -30,13 +30,13 @@ class FaultySource : public FrameSource {
   bool live() const override { return true; }
   void stop() override { stopped_ = true; }
   std::optional<SourceEvent> next() override {
-    if (start_ns_ == 0) start_ns_ = steady_now_ns();
+    if (start_ns_ == 0) start_ns_ = host_now_ns();
     while (lost_share_ > 0.0 && random_.uniform(static_cast<std::uint32_t>(frame_)) < lost_share_) ++frame_;
     while (!stopped_ &&
-           (steady_now_ns() < due_ns() || 1e-9 * static_cast<double>(due_ns() - start_ns_) > silent_after_s_))
+           (host_now_ns() < due_ns() || 1e-9 * static_cast<double>(due_ns() - start_ns_) > silent_after_s_))
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     if (stopped_) return std::nullopt;
-    BodyFrame frame{{frame_, frame_ * 333'333, steady_now_ns()}, {}, {Body{.tracking_id = 1}}};
+    BodyFrame frame{{frame_, frame_ * 333'333, host_now_ns()}, {}, {Body{.tracking_id = 1}}};
     for (auto& point : frame.bodies[0].position_m)
       point = {0.1f, 0.2f, 2.0f + 1e-4f * static_cast<float>(frame_)};
     ++frame_;
