@@ -183,9 +183,11 @@ class Recording {
     }
     if (agents_)
       for (SensorStatus& sensor : agents_->status(period_s)) now.sensors.push_back(std::move(sensor));
+    now.log_bytes = log_->written_bytes();
     std::error_code ignored;
     for (const std::filesystem::path& log : logs_beside(path_))
-      if (const auto bytes = std::filesystem::file_size(log, ignored); !ignored) now.log_bytes += bytes;
+      if (const auto bytes = std::filesystem::file_size(log, ignored); !ignored && log != own_.path)
+        now.log_bytes += bytes;
     return now;
   }
 

@@ -65,7 +65,7 @@ void Spool::Stream::add(const FrameStamp& stamp) {
 Spool::Spool(const std::vector<std::unique_ptr<FrameSource>>& sources, std::shared_ptr<EventLogWriter> log,
              SpoolOptions options)
     : sources_(sources),
-      log_(std::move(log)),
+      log_(std::make_shared<const std::shared_ptr<EventLogWriter>>(std::move(log))),
       options_(std::move(options)),
       running_sources_(sources.size()) {
   for (const auto& source : sources)
@@ -98,18 +98,22 @@ void Spool::stop() {
   for (const auto& source : sources_) source->stop();
 }
 
-std::shared_ptr<EventLogWriter> Spool::log() const {
-  const std::lock_guard lock(mutex_);
-  return log_;
+void Spool::append(std::size_t sensor, const LogEvent& event) {
+  HeldLog log;
+  {
+    const std::lock_guard lock(mutex_);
+    log = log_;
+  }
+  (*log)->append(sensor, event);
 }
 
 void Spool::go_on_in(std::shared_ptr<EventLogWriter> log) {
+  HeldLog held = std::make_shared<const std::shared_ptr<EventLogWriter>>(std::move(log));
   {
     const std::lock_guard lock(mutex_);
-    log_.swap(log);
+    log_.swap(held);
   }
-  while (log.use_count() > 2)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the caller's and this one
+  while (held.use_count() > 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 void Spool::set_disk_full(bool full) {
@@ -119,7 +123,7 @@ void Spool::set_disk_full(bool full) {
 
 void Spool::add_exchange(const ClockExchange& exchange) {
   try {
-    for (std::size_t s = 0; s < sensors_.size(); ++s) log()->append(s, exchange);
+    for (std::size_t s = 0; s < sensors_.size(); ++s) append(s, exchange);
   } catch (const OutputError& error) {
     fail(error.what());
   }
@@ -233,16 +237,16 @@ void Spool::store(std::size_t s, SourceEvent event) {
     ++stream.stored;
   };
   if (const auto* frame = std::get_if<BodyFrame>(&event.data)) {
-    log()->append(s, *frame);
+    append(s, *frame);
     stored(sensor.bodies);
     const std::lock_guard lock(mutex_);
     sensor.newest_bodies = *frame;
   } else if (auto* encoded = std::get_if<EncodedDepthFrame>(&event.data)) {
-    log()->append(s, std::move(*encoded));
+    append(s, std::move(*encoded));
     stored(sensor.depth);
   } else if (const auto* raw = std::get_if<DepthFrame>(&event.data)) {
     try {
-      log()->append(s, encode_depth_frame(raw->stamp, raw->depth_mm, quickest_compression()));
+      append(s, encode_depth_frame(raw->stamp, raw->depth_mm, quickest_compression()));
       stored(sensor.depth);
     } catch (const std::bad_alloc&) {
       {
@@ -252,7 +256,7 @@ void Spool::store(std::size_t s, SourceEvent event) {
       notice(s, "there was no memory for a depth frame");
     }
   } else if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) {
-    log()->append(s, *exchange);
+    append(s, *exchange);
   } else if (const auto* text = std::get_if<SourceNotice>(&event.data)) {
     notice(s, text->text);
   }
@@ -260,7 +264,7 @@ void Spool::store(std::size_t s, SourceEvent event) {
 
 void Spool::notice(std::size_t s, const std::string& text) {
   try {
-    log()->append(s, SensorNotice{host_now_ns(), text});
+    append(s, SensorNotice{host_now_ns(), text});
   } catch (const OutputError& error) {
     fail(error.what());
   }
@@ -299,7 +303,7 @@ void Spool::look_after() {
     }
   }
   try {
-    for (const auto& [s, count] : drops) log()->append(s, count);
+    for (const auto& [s, count] : drops) append(s, count);
   } catch (const OutputError& error) {
     fail(error.what());
   }

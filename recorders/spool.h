@@ -101,10 +101,12 @@ class Spool {
   void store(std::size_t sensor, SourceEvent event);
   void notice(std::size_t sensor, const std::string& text);
   void fail(const std::string& problem);
-  std::shared_ptr<EventLogWriter> log() const;
+  void append(std::size_t sensor, const LogEvent& event);
 
   const std::vector<std::unique_ptr<FrameSource>>& sources_;
-  std::shared_ptr<EventLogWriter> log_;  // under the mutex
+  // Under the mutex. Who appends holds the outer pointer meanwhile.
+  using HeldLog = std::shared_ptr<const std::shared_ptr<EventLogWriter>>;
+  HeldLog log_;
   SpoolOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

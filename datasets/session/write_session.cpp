@@ -40,7 +40,12 @@ std::vector<OpenedLog> opened(const std::vector<LogInput>& inputs) {
     logs.push_back({input, head_of_event_log(input.path), {}});
     for (std::size_t i = 0; i + 1 < logs.size(); ++i)
       if (logs[i].head.id == logs.back().head.id)
-        throw InputError(place, "is the same log as " + logs[i].input.path.string() + "; give it once");
+        throw InputError(place, fmt::format("is the same log as {}; give the longer one alone, which is {}",
+                                            logs[i].input.path.string(),
+                                            std::filesystem::file_size(place) >
+                                                    std::filesystem::file_size(logs[i].input.path)
+                                                ? "this one"
+                                                : "the other"));
   }
   std::ranges::stable_sort(logs, {}, [](const OpenedLog& log) { return log.head.start_unix_ns; });
   return logs;

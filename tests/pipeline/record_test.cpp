@@ -29,8 +29,8 @@ void wait_for(const std::function<bool()>& condition) {
 
 TEST(Record, WritesASessionAndSaysWhatIsInIt) {
   const ScratchFolder folder;
-  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,duration=0.5,speed=max",
-                                          "-o", in(folder, "s.h5"), "--json"});
+  const Ended ended = run_trilat(folder, {"record", "--source", "synthetic:2,duration=0.5,speed=max", "-o",
+                                          in(folder, "s.h5"), "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   const Json json = only_json(ended);
   EXPECT_EQ(json["end"], "source_ended");
@@ -195,6 +195,46 @@ TEST(Record, ARecorderThatIsKilledGoesOnWithTheSameLineAndLosesNothingOfItsAgent
   const auto stamps = session.stamps(0, FrameStream::bodies, 0, 120);
   for (std::size_t i = 0; i < stamps.size(); ++i) EXPECT_EQ(stamps[i].sequence, static_cast<std::int64_t>(i));
   EXPECT_EQ(only_json(ended)["sensors"][0]["lost_at_source"], 0);
+}
+
+TEST(Record, AfterAKilledRecorderAnotherRecordingLeavesTheFirstOneOnTheAgentsDisk) {
+  const ScratchFolder folder;
+  const std::string port = "127.0.0.1:" + std::to_string(20000 + (getpid() + 7000) % 20000);
+  const auto record = [&](const std::string& name) {
+    return std::vector<std::string>{"record", "--listen",       port,    "--agents", "1",
+                                    "-o",     in(folder, name), "--json"};
+  };
+  const Process first(folder, record("a.h5"), "first_");
+  const Process agent =
+      agent_of(folder, "k1", {"--recorder", port, "--source", "synthetic:1,depth=no,duration=5"});
+  const auto copy_bytes = [&] {
+    std::uintmax_t bytes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+      if (entry.path().filename().string().starts_with("a.h5.k1.")) bytes = entry.file_size();
+    return bytes;
+  };
+  wait_for([&] { return copy_bytes() > 20'000; });
+  first.kill_at_once();
+  first.wait();
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  const Process second(folder, record("b.h5"), "second_");
+  const Ended sent = agent.wait();
+  EXPECT_EQ(sent.code, 1) << sent.err;
+  EXPECT_THAT(sent.err, HasSubstr("another recording has begun; what the one before did not take lies in "));
+  second.wait();
+  std::string left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    if (entry.path().filename().string().starts_with("k1.")) left = entry.path().string();
+  EXPECT_THAT(sent.err,
+              HasSubstr(std::filesystem::path(left).filename().string() + " OTHER.trilog... -o session.h5"));
+  expect_refused(run_trilat(folder, {"recover", in(folder, "a.h5"), left, "-o", in(folder, "c.h5")}),
+                 "is the same log as");
+  const Ended joined =
+      run_trilat(folder, {"recover", in(folder, "a.h5.trilog"), left, "-o", in(folder, "a.h5")});
+  EXPECT_EQ(joined.code, 0) << joined.err;
+  const SessionReader a(folder / "a.h5"), b(folder / "b.h5");
+  EXPECT_EQ(a.counts(0).body_frames + b.counts(0).body_frames, 150u);
+  EXPECT_GT(b.counts(0).body_frames, 20u);
 }
 
 TEST(Record, AClosedTerminalEndsItInOrder) {
