@@ -123,9 +123,16 @@ std::uint16_t free_port() { return StreamListener(SocketAddress{"127.0.0.1", 0})
   }
 }
 
+// Of this program alone: what else is tried on this machine at the same time may find a port that was given
+// up.
+std::string agent_name() {
+  static const std::string name = fmt::format("t{}", getpid());
+  return name;
+}
+
 AgentOptions agent_options(const std::filesystem::path& folder, std::uint16_t port) {
   AgentOptions options;
-  options.name = "k1";
+  options.name = agent_name();
   options.folder = folder;
   options.reserve_bytes = 0;
   options.link.first_retry = milliseconds(10);
@@ -195,6 +202,7 @@ struct TrialFolder {
 };
 
 Shared& shared_numbers() {
+  (void)agent_name();  // before there are other processes
   void* memory = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   static Shared* shared = new (memory) Shared;
   shared->start_ns = shared->made = 0;
@@ -221,7 +229,8 @@ std::string kill_trial(const RandomStream& random, const std::filesystem::path& 
   const std::int64_t first = shared.made - 1;
   // what never reached the recorder is counted by the time only
   while (std::ranges::none_of(logs_beside(session), [&](const auto& log) {
-    return log.filename().string().starts_with("s.h5.k1.") && std::filesystem::file_size(log) > 1000;
+    return log.filename().string().starts_with("s.h5." + agent_name()) &&
+           std::filesystem::file_size(log) > 1000;
   }))
     std::this_thread::sleep_for(milliseconds(2));
   std::this_thread::sleep_for(std::chrono::duration<double>(0.1 + 1.5 * random.uniform(0)));
