@@ -171,7 +171,7 @@ TEST(Record, AgentsReachTheRecorderThroughAnyProgram) {
 
 TEST(Record, ARecorderThatIsKilledGoesOnWithTheSameLineAndLosesNothingOfItsAgents) {
   const ScratchFolder folder;
-  const std::string port = "127.0.0.1:" + std::to_string(20000 + getpid() % 20000);
+  const std::string port = "127.0.0.1:" + std::to_string(20000 + getpid() % 6000);
   const std::vector<std::string> line{"record", "--listen",         port,    "--agents", "1",
                                       "-o",     in(folder, "s.h5"), "--json"};
   const Process first(folder, line, "first_");
@@ -199,7 +199,7 @@ TEST(Record, ARecorderThatIsKilledGoesOnWithTheSameLineAndLosesNothingOfItsAgent
 
 TEST(Record, AfterAKilledRecorderAnotherRecordingLeavesTheFirstOneOnTheAgentsDisk) {
   const ScratchFolder folder;
-  const std::string port = "127.0.0.1:" + std::to_string(20000 + (getpid() + 7000) % 20000);
+  const std::string port = "127.0.0.1:" + std::to_string(26000 + getpid() % 6000);
   const auto record = [&](const std::string& name) {
     return std::vector<std::string>{"record", "--listen",       port,    "--agents", "1",
                                     "-o",     in(folder, name), "--json"};
