@@ -129,8 +129,12 @@ class LogCopy {
     begin_unix_ns_ = log.begin_unix_ns;
     recording_ = log.head.recording;
   }
-  // Frames that are known to be missing behind the present log's end.
+  // Frames that are known to be missing behind the present log's end, and before a log of which no frame
+  // came.
   void add_missing() {
+    for (const std::size_t s : log_->sensors)
+      for (StreamEnd* end : {&joined_[s].bodies, &joined_[s].depth})
+        if (end->log != 0 && end->log != log_->head.id) count_gap(s, log_->head.start_unix_ns, *end);
     if (log_->input.missing_frames == 0 || log_->sensors.empty()) return;
     DropCount& drops = written_[log_->sensors[0]].drops;
     drops.in_queue += log_->input.missing_frames;

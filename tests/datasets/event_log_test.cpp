@@ -353,6 +353,22 @@ TEST(WriteSession, ASensorThatComesLateHasLostTheBeginning) {
   }
 }
 
+TEST(WriteSession, TheGapBeforeALogWithoutFramesCounts) {
+  const ScratchFolder folder;
+  for (int run = 0; run < 2; ++run) {
+    LogHead head = new_log_head(header_of(1), 0, "k1");
+    head.start_unix_ns += run * 5'000'000'000;
+    EventLogWriter log(folder / std::to_string(run), head);
+    BodyFrame frame = body_frame_of(run, 1);
+    frame.stamp.arrival_ns = head.start_ns;
+    if (run == 0) log.append(0, frame);
+    log.finish();
+  }
+  const LogsWritten written = write_session({{folder / "1"}, {folder / "0"}}, folder / "s.h5");
+  EXPECT_NEAR(static_cast<double>(written.sensors.at(0).drops.at_source), 149.0, 2.0);
+  EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 1u);
+}
+
 TEST(WriteSession, ARecordingIsClosedByTakingItsLogAway) {
   const ScratchFolder folder;
   for (const bool finish : {true, false}) {

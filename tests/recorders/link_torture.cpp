@@ -32,7 +32,7 @@ constexpr double kRate_hz = 100.0;
 
 // Numbers that the processes of a trial share.
 struct Shared {
-  std::atomic<std::int64_t> start_ns{0}, made{0};  // of the sensor, which outlives its agent
+  std::atomic<std::int64_t> start_ns{0}, first{-1}, made{0};  // of the sensor, which outlives its agent
 };
 
 // A sensor that makes a frame of bodies every 10 ms whether an agent takes it or not; its number says when.
@@ -51,7 +51,12 @@ class EternalSource : public FrameSource {
   void stop() override { stopped_ = true; }
   std::optional<SourceEvent> next() override {
     const auto period_ns = static_cast<std::int64_t>(1e9 / kRate_hz);
-    if (frame_ < 0) frame_ = (host_now_ns() - shared_.start_ns) / period_ns + 1;
+    if (frame_ < 0) {
+      frame_ = (host_now_ns() - shared_.start_ns) / period_ns + 1;
+      frames_ = std::max(frames_, frame_ + 50);  // also of an agent that is started again late
+      std::int64_t none = -1;
+      shared_.first.compare_exchange_strong(none, frame_);
+    }
     while (!stopped_ && host_now_ns() < shared_.start_ns + frame_ * period_ns)
       std::this_thread::sleep_for(std::chrono::microseconds(300));
     if (stopped_ || frame_ >= frames_) return std::nullopt;
@@ -206,6 +211,7 @@ Shared& shared_numbers() {
   void* memory = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   static Shared* shared = new (memory) Shared;
   shared->start_ns = shared->made = 0;
+  shared->first = -1;
   return *shared;
 }
 
@@ -226,7 +232,6 @@ std::string kill_trial(const RandomStream& random, const std::filesystem::path& 
   };
   pid_t recorder = record(), agent = send();
   while (shared.made == 0) std::this_thread::sleep_for(milliseconds(2));
-  const std::int64_t first = shared.made - 1;
   // what never reached the recorder is counted by the time only
   while (std::ranges::none_of(logs_beside(session), [&](const auto& log) {
     return log.filename().string().starts_with("s.h5." + agent_name()) &&
@@ -241,7 +246,7 @@ std::string kill_trial(const RandomStream& random, const std::filesystem::path& 
   if (kill_agent) agent = send();
   const bool agent_is_well = ended_well(agent), recorder_is_well = ended_well(recorder);
   if (!agent_is_well || !recorder_is_well) return "a process did not end well";
-  return difference(session, first, kFrames, kill_agent ? 1 : 0);
+  return difference(session, shared.first, shared.made, kill_agent ? 1 : 0);
 }
 
 std::string outage_trial(const RandomStream& random, double longest_s, const std::filesystem::path& folder) {
@@ -264,17 +269,11 @@ std::string outage_trial(const RandomStream& random, double longest_s, const std
     std::this_thread::sleep_for(std::chrono::duration<double>(outage_s));
     outage = Outage::none;
   });
-  std::int64_t first = -1;
-  std::thread watcher([&] {
-    while (shared.made == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
-    first = shared.made - 1;
-  });
   const int code = run_source(shared, frames, options);
   spoiler.join();
-  watcher.join();
   if (!ended_well(recorder) || code != 0)
     return fmt::format("outage {} of {:.1f} s: a side did not end well", static_cast<int>(kind), outage_s);
-  const std::string problem = difference(folder / "s.h5", first, frames, 0);
+  const std::string problem = difference(folder / "s.h5", shared.first, shared.made, 0);
   return problem.empty()
              ? problem
              : fmt::format("outage {} of {:.1f} s: {}", static_cast<int>(kind), outage_s, problem);
