@@ -206,7 +206,7 @@ TEST(Record, AfterAKilledRecorderAnotherRecordingLeavesTheFirstOneOnTheAgentsDis
   };
   const Process first(folder, record("a.h5"), "first_");
   const Process agent =
-      agent_of(folder, "k1", {"--recorder", port, "--source", "synthetic:1,depth=no,duration=5"});
+      agent_of(folder, "k1", {"--recorder", port, "--source", "synthetic:1,depth=no,duration=8"});
   const auto copy_bytes = [&] {
     std::uintmax_t bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
@@ -233,7 +233,7 @@ TEST(Record, AfterAKilledRecorderAnotherRecordingLeavesTheFirstOneOnTheAgentsDis
       run_trilat(folder, {"recover", in(folder, "a.h5.trilog"), left, "-o", in(folder, "a.h5")});
   EXPECT_EQ(joined.code, 0) << joined.err;
   const SessionReader a(folder / "a.h5"), b(folder / "b.h5");
-  EXPECT_EQ(a.counts(0).body_frames + b.counts(0).body_frames, 150u);
+  EXPECT_EQ(a.counts(0).body_frames + b.counts(0).body_frames, 240u);
   EXPECT_GT(b.counts(0).body_frames, 20u);
 }
 
