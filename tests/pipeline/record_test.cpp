@@ -8,8 +8,10 @@
 
 #include "datasets/geometry/rigid_transform.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/session_writer.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"
+#include "tests/datasets/made_session.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/paths.h"
 
@@ -245,6 +247,20 @@ TEST(Record, AClosedTerminalEndsItInOrder) {
   process.hang_up();
   EXPECT_EQ(process.wait().code, 0);
   EXPECT_TRUE(SessionReader(folder / "s.h5").complete());
+}
+
+TEST(Recover, SavesWhatARecorderOfVersion04Left) {
+  const ScratchFolder folder;
+  SessionWriter writer(folder / "s.h5", header_of(1));
+  for (std::int64_t i = 0; i < 8; ++i) writer.add_body_frame(0, body_frame_of(i, 1));
+  writer.finish();
+  const auto partial = killed_by_0_4(folder / "s.h5", 7, 0);
+  const std::string before = read_file(partial);
+  const Ended ended = run_trilat(folder, {"recover", in(folder, "s.h5"), "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(only_json(ended)["sensors"][0]["body_frames"], 7);
+  EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 7u);
+  EXPECT_EQ(read_file(partial), before);
 }
 
 TEST(Recover, AFinishedRecordingWithoutItsNameGetsIt) {
