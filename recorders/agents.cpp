@@ -19,8 +19,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLookPeriod{50};
 constexpr milliseconds kAckPeriod{200};
-constexpr std::uint64_t kMostUnsynced_bytes = std::uint64_t{4} << 20;
-constexpr std::size_t kMostConnections = 128;
+constexpr std::uint64_t kMaxUnsynced_bytes = std::uint64_t{4} << 20;
+constexpr std::size_t kMaxConnections = 128;
 
 // Whether the other side says goodbye for good, or may try again.
 struct Refusal {
@@ -68,10 +68,10 @@ std::vector<std::string> Agents::names() const {
   return names;
 }
 
-void Agents::notice(const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  constexpr std::size_t kMostShown = 1000;  // while nobody takes them
-  if (notices_.size() < kMostShown) notices_.push_back(text);
+// Under the lock.
+void Agents::add_notice(const std::string& text) {
+  constexpr std::size_t kMaxNotices = 1000;  // kept until take_notices() is called
+  if (notices_.size() < kMaxNotices) notices_.push_back(text);
 }
 
 void Agents::accept_all() {
@@ -81,7 +81,7 @@ void Agents::accept_all() {
       if (connection.done) connection.thread.join();
       return connection.done.load();
     });
-    if (!accepted || connections_.size() >= kMostConnections) continue;
+    if (!accepted || connections_.size() >= kMaxConnections) continue;
     Connection& connection = connections_.emplace_back();
     try {
       connection.thread = std::thread([this, &connection, accepted] {
@@ -97,7 +97,11 @@ void Agents::accept_all() {
 // One connection, from its first message to its end.
 void Agents::serve(ByteStream& stream) {
   const auto refuse = [&](const std::string& who, const Refusal& refusal) {
-    notice((who.empty() ? "a connection was refused: " : "agent " + who + " was refused: ") + refusal.reason);
+    {
+      const std::lock_guard lock(mutex_);
+      add_notice((who.empty() ? "a connection was refused: " : "agent " + who + " was refused: ") +
+                 refusal.reason);
+    }
     try {
       stream.write_all(encode_message(RefusalMessage{refusal.reason, refusal.try_again}));
     } catch (const LinkLost&) {
@@ -218,7 +222,7 @@ void Agents::open_copy(Agent& agent, Copy& copy, const std::string& name, std::u
 }
 
 void Agents::set_sensors(Agent& agent, const std::vector<SensorDescription>& sensors) {
-  agent.descriptions = sensors;
+  if (sensors.size() >= agent.descriptions.size()) agent.descriptions = sensors;
   agent.sensors.resize(std::max(agent.sensors.size(), sensors.size()));
   for (Sensor& sensor : agent.sensors) sensor.heard = Clock::now();
 }
@@ -296,7 +300,7 @@ void Agents::sync_and_acknowledge(ByteStream& stream, Agent& agent, Copy* copy, 
     synced = copy->synced;
     has_ended = copy->has_ended && !copy->done;
   }
-  if (Clock::now() - acknowledged < kAckPeriod && size - synced < kMostUnsynced_bytes && !has_ended) return;
+  if (Clock::now() - acknowledged < kAckPeriod && size - synced < kMaxUnsynced_bytes && !has_ended) return;
   if (file && size > synced) file->sync();
   if (copy) {
     const std::lock_guard lock(mutex_);
@@ -319,8 +323,7 @@ void Agents::count(Agent& agent, std::size_t s, const LogEvent& event) {
   }
   if (is_bodies) sensor.newest = std::get<BodyFrame>(event);
   if (const auto* drops = std::get_if<DropCount>(&event)) sensor.drops = *drops;
-  if (const auto* text = std::get_if<SensorNotice>(&event))
-    notices_.push_back(name_of(agent, s) + ": " + text->text);
+  if (const auto* text = std::get_if<SensorNotice>(&event)) add_notice(name_of(agent, s) + ": " + text->text);
 }
 
 // Under the lock.
@@ -336,13 +339,13 @@ void Agents::look_after() {
     for (std::size_t s = 0; s < agent.sensors.size(); ++s) {
       Sensor& sensor = agent.sensors[s];
       const bool silent = age_s(sensor.heard) > options_.silence_s &&
-                          !std::ranges::any_of(agent.copies, [](const Copy& copy) { return copy.has_ended; });
+                          (agent.copies.empty() || !agent.copies.back().has_ended);
       if (silent == sensor.silent) continue;
       sensor.silent = silent;
-      notices_.push_back(name_of(agent, s) +
-                         (silent ? fmt::format(": no frame for {:.1f} s{}", options_.silence_s,
-                                               agent.connection == 0 ? ", its agent is not connected" : "")
-                                 : ": frames again"));
+      add_notice(name_of(agent, s) +
+                 (silent ? fmt::format(": no frame for {:.1f} s{}", options_.silence_s,
+                                       agent.connection == 0 ? ", its agent is not connected" : "")
+                         : ": frames again"));
     }
 }
 
@@ -374,6 +377,7 @@ bool Agents::all_done() const {
 }
 
 void Agents::drain() {
+  drain_began_ = Clock::now();
   draining_ = true;
   const auto received = [&] {
     const std::lock_guard lock(mutex_);
@@ -403,8 +407,9 @@ std::vector<LogInput> Agents::logs() const {
         const Sensor& sensor = agent.sensors[s];
         frames += static_cast<std::int64_t>(sensor.body_frames + sensor.depth_frames);
         const double streams = agent.descriptions[s].has_depth ? 2.0 : 1.0;
-        silent +=
-            static_cast<std::int64_t>(age_s(sensor.heard) * agent.descriptions[s].nominal_rate_hz * streams);
+        const double silent_s = std::chrono::duration<double>(drain_began_ - sensor.heard).count();
+        silent += static_cast<std::int64_t>(std::max(0.0, silent_s) * agent.descriptions[s].nominal_rate_hz *
+                                            streams);
       }
       const std::int64_t held = copy.is_resumed ? 0 : static_cast<std::int64_t>(copy.frames_held) - frames;
       log.missing_frames = std::max(held, silent);

@@ -109,7 +109,7 @@ class Agents {
                             Clock::time_point& acknowledged);
   void count(Agent& agent, std::size_t sensor, const LogEvent& event);
   std::string name_of(const Agent& agent, std::size_t sensor) const;
-  void notice(const std::string& text);
+  void add_notice(const std::string& text);
 
   std::unique_ptr<StreamListener> listener_;
   AgentsOptions options_;
@@ -118,6 +118,7 @@ class Agents {
   std::vector<std::string> notices_;
   std::string disk_problem_;
   std::uint64_t connections_made_ = 0;
+  Clock::time_point drain_began_{};
   std::atomic<bool> begun_{false}, draining_{false}, ended_{false};
   std::list<Connection> connections_;  // of the accepting thread, until that has ended
   std::thread accepting_;              // the last: it uses all of the above

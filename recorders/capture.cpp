@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <system_error>
 #include <thread>
 
@@ -55,7 +56,14 @@ OwnLog own_log(const std::filesystem::path& path, LogHead head, const CaptureOpt
   if (options.agents == 0)
     throw InputError(
         first, "exists, of a recorder that was killed: `trilat recover " + first + "`, or take another name");
-  head.recording = head_of_event_log(there.front()).recording;
+  const LogHead before = head_of_event_log(there.front());
+  constexpr std::int64_t kClockStep_ns = 60'000'000'000;
+  if (std::abs((head.start_unix_ns - head.start_ns) - (before.start_unix_ns - before.start_ns)) >
+      kClockStep_ns)
+    throw InputError(
+        first, "was begun before this machine was started anew, which set its clock back: `trilat recover " +
+                   path.string() + "`, and take another name");
+  head.recording = before.recording;
   return {fmt::format("{}.{}.trilog", path.string(), there.size() + 1), std::move(head)};
 }
 
@@ -253,6 +261,8 @@ CaptureSummary capture(const std::vector<std::unique_ptr<FrameSource>>& sources,
       sensors.push_back({sensor.name, sensor.body_frames, sensor.depth_frames, sensor.drops.at_source,
                          sensor.drops.in_queue + static_cast<std::int64_t>(sensor.left_out)});
     summary.last.sensors = std::move(sensors);
+    for (const LogSummary& log : written.logs)
+      summary.source_failed = summary.source_failed || !log.problem.empty();
   } catch (const OutputError& error) {
     throw OutputError(error.place(), error.problem() + ". The recording is whole in " +
                                          log_name(path).string() + ": make room, then " + remedy);

@@ -269,8 +269,8 @@ void Spool::notice(std::size_t s, const std::string& text) {
     fail(error.what());
   }
   const std::lock_guard lock(mutex_);
-  constexpr std::size_t kMostShown = 1000;  // while nobody takes them
-  if (notices_.size() < kMostShown) notices_.push_back(sensors_[s].description.name + ": " + text);
+  constexpr std::size_t kMaxNotices = 1000;  // kept until take_notices() is called
+  if (notices_.size() < kMaxNotices) notices_.push_back(sensors_[s].description.name + ": " + text);
 }
 
 bool Spool::wait_for_end(std::chrono::milliseconds patience) {
@@ -313,11 +313,13 @@ void Spool::look_after() {
 void Spool::count_silence_to_the_end() {
   const std::lock_guard lock(mutex_);
   const auto now = Clock::now();
-  for (Sensor& sensor : sensors_)
+  for (Sensor& sensor : sensors_) {
+    const bool delivered = sensor.bodies.arrived + sensor.depth.arrived > 0;
     for (Stream* stream : {&sensor.bodies, &sensor.depth})
-      if (sensor.is_live && stream->expected && stream->silent && stream->arrived > 0)
+      if (sensor.is_live && stream->expected && stream->silent && (stream->arrived > 0 || !delivered))
         stream->missing += static_cast<std::int64_t>(
             std::chrono::duration<double>(now - stream->heard).count() * sensor.description.nominal_rate_hz);
+  }
 }
 
 std::vector<SensorStatus> Spool::status(double period_s) {

@@ -64,7 +64,7 @@ class Spool {
   void count_silence_to_the_end();
   // `period_s`: since it was last asked.
   std::vector<SensorStatus> status(double period_s);
-  // What was reported since it was last asked, each with its sensor's name in front.
+  // Notices since the last call, each with its sensor's name in front.
   std::vector<std::string> take_notices();
   std::size_t waiting_bytes() const;
   std::uint64_t frames() const;        // in the log or logs

@@ -371,9 +371,9 @@ void EventLogWriter::append(std::size_t sensor, const LogEvent& event) {
 void EventLogWriter::append_record(std::uint8_t type, std::size_t sensor,
                                    std::span<const std::byte> payload) {
   const std::vector<std::byte> record = record_of(type, sensor, payload);
-  constexpr std::size_t kMostWaiting = std::size_t{64} << 20;
+  constexpr std::size_t kMaxWaiting_bytes = std::size_t{64} << 20;
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return gathered_.size() < kMostWaiting || !failure_.empty(); });
+  changed_.wait(lock, [&] { return gathered_.size() < kMaxWaiting_bytes || !failure_.empty(); });
   if (!failure_.empty()) throw OutputError(file_.path().string(), failure_);
   TRILAT_CHECK(!ended_, "nothing is appended behind the end");
   const auto add = [&](const std::vector<std::byte>& bytes) {

@@ -25,7 +25,7 @@ class SessionWriter {
   SessionWriter& operator=(const SessionWriter&) = delete;
 
   void add_body_frame(std::size_t sensor, const BodyFrame& frame);
-  // Of another compression than the session's it is compressed anew; InputError when it is damaged then.
+  // Recompresses a frame that is not compressed as the session is; InputError where such a frame is damaged.
   void add_depth_frame(std::size_t sensor, const EncodedDepthFrame& frame);
   void add_clock_exchange(std::size_t sensor, const ClockExchange& exchange);
   void add_drop_count(std::size_t sensor, const DropCount& count);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -97,9 +98,10 @@ struct StreamEnd {
 // A sensor of the session while logs are written one after the other.
 struct JoinedSensor {
   StreamEnd bodies, depth;
-  DropCount before{};              // lost in and between the logs before the present one
-  std::int64_t shift_ns = 0;       // on the monotonic clock of the present log gives that of the first
-  const LogHead* first = nullptr;  // log
+  DropCount before{};                            // lost in and between the logs before the present one
+  std::int64_t shift_ns = 0;                     // added to monotonic times of the present log
+  const LogHead* first = nullptr;                // log of this sensor
+  std::optional<std::int64_t> first_shift_ns{};  // of that log against the first of all
 };
 
 // Events of the logs into the session.
@@ -110,14 +112,25 @@ class LogCopy {
 
   void begin(const OpenedLog& log) {
     log_ = &log;
+    if (!first_log_) first_log_ = &log.head;
+    // no exchanges tell how the clocks of computers stand that recorded alone
+    const bool is_alone = log.head.recording == 0 && !log.head.agent.empty();
     for (const std::size_t s : log.sensors) {
       JoinedSensor& joined = joined_[s];
       if (!joined.first) joined.first = &log.head;
+      if (!joined.first_shift_ns)
+        joined.first_shift_ns = is_alone && log.head.agent != first_log_->agent
+                                    ? unix_ns(log.head, 0) - unix_ns(*first_log_, 0)
+                                    : 0;
       joined.before = written_[s].drops;
       // a machine that was started anew has another monotonic clock
       const std::int64_t shift = unix_ns(log.head, 0) - unix_ns(*joined.first, 0);
       constexpr std::int64_t kClockStep_ns = 60'000'000'000;
-      joined.shift_ns = std::abs(shift) > kClockStep_ns ? shift : 0;
+      joined.shift_ns = (std::abs(shift) > kClockStep_ns ? shift : 0) + *joined.first_shift_ns;
+      if (*joined.first_shift_ns != 0)
+        to_.add_notice(
+            s,
+            {0, "recorded alone: its clock is laid on the first log's by the wall clocks of both computers"});
     }
   }
   void take(std::size_t sensor, LogEvent&& event) {
@@ -215,6 +228,7 @@ class LogCopy {
   std::vector<SensorWritten>& written_;
   std::vector<JoinedSensor> joined_;
   const OpenedLog* log_ = nullptr;
+  const LogHead* first_log_ = nullptr;
   std::int64_t begin_unix_ns_ = 0;  // of the recording, by its recorder
   std::uint64_t recording_ = 0;
 };

@@ -448,7 +448,7 @@ int recover(const RecoverArguments& arguments) {
   if (std::ranges::all_of(left, is_log)) return recover_logs(left, found);
   if (left.size() > 1)
     throw InputError(std::ranges::find_if_not(left, is_log)->string(),
-                     "is no log; several logs are joined, or one session is recovered");
+                     "is not an event log; give event logs only, or one unfinished session alone");
   return recover_session_file(left.front(), found);
 }
 

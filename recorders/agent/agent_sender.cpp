@@ -86,7 +86,8 @@ void AgentSender::keep_connected() {
       continue;  // with a new log, or for good
     } catch (const LinkLost& lost) {
       problem = lost.what();
-    } catch (const std::exception& error) {  // refused, or there is no such program or log
+    } catch (const std::exception&
+                 error) {  // a refusal, a program that cannot be run, or a log that cannot be read
       const std::lock_guard lock(mutex_);
       refusal_ = error.what();
       return;
@@ -101,14 +102,12 @@ void AgentSender::keep_connected() {
   } while (!ended_);
 }
 
-// Whether anything came within that time.
-bool AgentSender::receive(ByteStream& stream, MessageReader& reader, milliseconds at_most) {
+void AgentSender::receive(ByteStream& stream, MessageReader& reader, milliseconds at_most) {
   std::byte block[1 << 12];
   const std::size_t count = stream.read_some(block, at_most);
   reader.add(std::span<const std::byte>(block).first(count));
   if (count > 0) heard_ = Clock::now();
   if (Clock::now() - heard_ > options_.silence_limit) throw LinkLost("it has fallen silent");
-  return count > 0;
 }
 
 void AgentSender::take(const Message& message) {

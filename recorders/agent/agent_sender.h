@@ -68,7 +68,7 @@ class AgentSender {
   std::uint64_t wait_for_welcome(ByteStream& stream, MessageReader& reader,
                                  const std::optional<SentLog>& log);
   void take(const Message& message);
-  bool receive(ByteStream& stream, MessageReader& reader, std::chrono::milliseconds at_most);
+  void receive(ByteStream& stream, MessageReader& reader, std::chrono::milliseconds at_most);
   void keep_exchanging();
   void exchange_stamps(ByteStream& stream);
   bool pause(std::chrono::milliseconds duration);

@@ -82,11 +82,11 @@ class Agent {
     log_path_ = options_.folder / name_of_log(options_.name, head.id);
     const auto log = std::make_shared<EventLogWriter>(log_path_, head);
     if (spool_) spool_->go_on_in(log);
-    frames_before_ = spool_ ? spool_->frames() : 0;
+    const std::uint64_t before = spool_ ? spool_->frames() : 0;
     log_ = log;
     if (!sender_) return;
     sender_->send({log_path_, head.id, recording_, [log] { return log->written_bytes(); },
-                   [this, before = frames_before_] {
+                   [this, before] {
                      const std::lock_guard lock(spool_mutex_);
                      return spool_ ? spool_->frames() - before : 0;
                    }});
@@ -107,6 +107,10 @@ class Agent {
       show_newest();
       mind_disk();
       if (sender_ && sender_->recording() != recording_) change_log();
+      if (const std::string refusal = sender_ ? sender_->refusal() : "";
+          !std::exchange(is_refused_, !refusal.empty()) && is_refused_)
+        options_.on_news("the recorder refuses this agent: " + refusal + "; it goes on recording into " +
+                         log_path_.string());
       if (Clock::now() - shown > std::chrono::seconds(10)) {
         shown = Clock::now();
         options_.on_news(status_text());
@@ -194,11 +198,11 @@ class Agent {
 
   const std::vector<std::unique_ptr<FrameSource>>& source_;
   const AgentOptions& options_;
-  std::uint64_t recording_ = 0, frames_before_ = 0;
+  std::uint64_t recording_ = 0;
   std::filesystem::path log_path_;
   std::shared_ptr<EventLogWriter> log_;
   std::vector<LeftLog> left_;
-  bool is_full_ = false;
+  bool is_full_ = false, is_refused_ = false;
   std::mutex spool_mutex_;  // of the optional, which the sender's threads look into
   std::optional<Spool> spool_;
   std::optional<AgentSender> sender_;  // the last: its threads use all of the above

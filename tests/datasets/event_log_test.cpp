@@ -50,7 +50,7 @@ std::string text_of(std::size_t sensor, const LogEvent& event) {
   return text;
 }
 
-// Of a recorder; `id` tells one log from another.
+// Head of a recorder's log; `id` tells one log from another.
 LogHead head_with(SessionHeader session, std::uint64_t id = 7) {
   return {id, 0, 5'000'000'000, 0, "", std::move(session)};
 }
@@ -367,6 +367,28 @@ TEST(WriteSession, TheGapBeforeALogWithoutFramesCounts) {
   const LogsWritten written = write_session({{folder / "1"}, {folder / "0"}}, folder / "s.h5");
   EXPECT_NEAR(static_cast<double>(written.sensors.at(0).drops.at_source), 149.0, 2.0);
   EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 1u);
+}
+
+// Two computers without a network: the second was started 1000 s later, and saw the same second by the wall
+// clock.
+TEST(WriteSession, LogsThatWereRecordedAloneShareTheWallClock) {
+  const ScratchFolder folder;
+  for (std::int64_t k = 0; k < 2; ++k) {
+    LogHead head = new_log_head(header_of(1), 0, k == 0 ? "left" : "right");
+    head.start_ns = 5'000'000'000'000 - k * 1'000'000'000'000;
+    head.start_unix_ns = 1'700'000'000'000'000'000 + k * 100'000'000;
+    EventLogWriter log(folder / std::to_string(k), head);
+    BodyFrame frame = body_frame_of(1, 1);
+    frame.stamp.arrival_ns = head.start_ns + 1'000'000'000 - k * 100'000'000;
+    log.append(0, frame);
+    log.finish();
+  }
+  write_session({{folder / "0"}, {folder / "1"}}, folder / "s.h5");
+  const SessionReader session(folder / "s.h5");
+  for (std::size_t s = 0; s < 2; ++s)
+    EXPECT_EQ(session.stamps(s, FrameStream::bodies, 0, 1)[0].arrival_ns, 5'001'000'000'000);
+  EXPECT_TRUE(session.notices(0).empty());
+  EXPECT_THAT(session.notices(1).at(0).text, HasSubstr("by the wall clocks of both computers"));
 }
 
 TEST(WriteSession, ARecordingIsClosedByTakingItsLogAway) {

@@ -84,7 +84,7 @@ void read_session(const fs::path& path) {
   }
 }
 
-// ---- what may be said to a recorder or an agent
+// ---- messages to a recorder or an agent
 void read_messages(FuzzInput input) {
   const std::span<const std::byte> bytes = std::as_bytes(input);
   MessageReader reader;

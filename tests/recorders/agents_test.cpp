@@ -289,9 +289,10 @@ TEST(Agents, AnAgentThatIsKilledHasLostWhatItWouldHaveDelivered) {
   run_and_kill("k1", folder, recorder.connect(), milliseconds(800));
   const CaptureSummary summary = recorder.wait();
   ASSERT_EQ(summary.last.sensors.size(), 1u);
-  // some 2 s of bodies and of depth at 30 Hz; a busy machine ends late
+  // some 2 s of bodies and of depth at 30 Hz, without the time in which the recorder waited for what would
+  // still come
   EXPECT_GE(summary.last.sensors[0].lost_in_queue, 2 * 30);
-  EXPECT_LE(summary.last.sensors[0].lost_in_queue, 2 * 30 * 15);
+  EXPECT_LE(summary.last.sensors[0].lost_in_queue, 2 * 30 * 3);
   EXPECT_EQ(SessionReader(folder / "s.h5").drop_counts(0).back().in_queue,
             summary.last.sensors[0].lost_in_queue);
   const std::string notice = "k1: no frame for 1.5 s, its agent is not connected";

@@ -275,7 +275,7 @@ class ImpossibleSource : public PatternSource {
   }
 };
 
-// An odd clock exchange is no lost frame.
+// An implausible clock exchange is dropped and not counted as a lost frame.
 TEST(Capture, TimesThatNoClockShowsAreLeftOutAndFramesOfSuchCounted) {
   const ScratchFolder folder;
   const CaptureSummary summary =

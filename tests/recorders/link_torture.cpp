@@ -73,7 +73,7 @@ class EternalSource : public FrameSource {
   std::atomic<bool> stopped_{false};
 };
 
-// What becomes of a link for a while.
+// Faults of a link; each lasts for a while.
 enum class Outage { none, silence, reset, half_bandwidth, odd_splits };
 
 class SpoiledStream : public ByteStream {
