@@ -323,6 +323,72 @@ TEST(Agents, ASecondRunOfAnAgentIsJoinedAndTheGapCounted) {
   EXPECT_THAT(notices, HasSubstr("s between two logs were not recorded"));
 }
 
+TEST(Agents, ASecondRunMayHaveFewerSensors) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.duration_s = 2.5;
+  std::atomic<std::uint64_t> looks{0};
+  options.on_status = [&](const CaptureStatus& status) { looks += status.sensors.size(); };
+  Recorder recorder(folder / "s.h5", 1, options);
+  {
+    std::atomic<bool> killed{false};
+    AgentOptions first =
+        agent_named("k1", folder, [&, connect = recorder.connect()]() -> std::unique_ptr<ByteStream> {
+          if (killed) throw LinkLost("killed");
+          return std::make_unique<MortalStream>(connect(), killed);
+        });
+    first.farewell_limit = milliseconds(50);
+    first.stop_requested = [&] { return killed.load(); };
+    auto run = std::async(std::launch::async, [&] { return run_agent(source_of(1'000'000, 2), first); });
+    std::this_thread::sleep_for(milliseconds(600));
+    killed = true;
+    run.get();
+  }
+  run_agent(source_of(1'000'000), agent_named("k1", folder, recorder.connect()));
+  recorder.wait();
+  EXPECT_GT(looks, 0u);
+  const SessionReader session(folder / "s.h5");
+  for (const char* name : {"k1", "k1-1", "k1-2"})
+    EXPECT_GT(session.counts(session.sensor_index(name)).body_frames, 0u);
+}
+
+// Breaks after 20 events.
+class BreakingSource : public QuickSource {
+ public:
+  BreakingSource() : QuickSource(1000) {}
+  std::optional<SourceEvent> next() override {
+    if (events_++ == 20) throw std::runtime_error("the cable was pulled");
+    return QuickSource::next();
+  }
+
+ private:
+  int events_ = 0;
+};
+
+TEST(Agents, ASourceThatBreaksFailsTheRecordingToo) {
+  const ScratchFolder folder;
+  Recorder recorder(folder / "s.h5", 1);
+  std::vector<std::unique_ptr<FrameSource>> source;
+  source.push_back(std::make_unique<BreakingSource>());
+  EXPECT_EQ(run_agent(source, agent_named("k1", folder, recorder.connect())).source_problem,
+            "the cable was pulled");
+  EXPECT_TRUE(recorder.wait().source_failed);
+  EXPECT_THAT(SessionReader(folder / "s.h5").notices(0).at(0).text, HasSubstr("the cable was pulled"));
+}
+
+// The host clock of a machine begins anew with it, and exchanges with two host clocks would give wrong times.
+TEST(Agents, ARecordingIsNotGoneOnWithAfterAStartOfTheMachine) {
+  const ScratchFolder folder;
+  LogHead head = new_log_head({});
+  head.recording = head.id;
+  head.start_ns += 1'000'000'000'000;
+  EventLogWriter(folder / "s.h5.trilog", head).finish();
+  CaptureOptions options;
+  options.agents = 1;
+  EXPECT_THAT(message_of([&] { capture({}, folder / "s.h5", options); }),
+              HasSubstr("was begun before this machine was started anew"));
+}
+
 TEST(Agents, OnlyWhoBelongsThereIsLetIn) {
   const ScratchFolder folder;
   const ScratchFolder& other = folder;

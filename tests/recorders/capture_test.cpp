@@ -325,6 +325,31 @@ TEST(Capture, ASensorThatIsSilentToTheEndHasLostWhatItWouldHaveDelivered) {
   EXPECT_THAT(notices, testing::Not(Contains(HasSubstr("m0"))));
 }
 
+// Live, and silent from its beginning.
+class MuteSource : public PatternSource {
+ public:
+  MuteSource() : PatternSource(1, 10, true) {}
+  std::optional<SourceEvent> next() override {
+    while (!stopped_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return std::nullopt;
+  }
+  void stop() override { stopped_ = true; }
+
+ private:
+  std::atomic<bool> stopped_{false};
+};
+
+TEST(Capture, ASensorThatNeverDeliversHasLostAll) {
+  const ScratchFolder folder;
+  CaptureOptions options;
+  options.spool.silence_s = 0.2;
+  options.look_period_s = 0.02;
+  options.duration_s = 1.0;
+  const CaptureSummary summary =
+      capture(sources_of(std::make_unique<MuteSource>()), folder / "session.h5", options);
+  EXPECT_GE(summary.last.sensors[0].lost_at_source, 2 * 28);  // a second of bodies and of depth
+}
+
 TEST(Capture, TwoSensorsOfOneNameAreRefused) {
   const ScratchFolder folder;
   EXPECT_THAT(message_of([&] {
