@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <system_error>
 #include <thread>
 
@@ -57,9 +56,7 @@ OwnLog own_log(const std::filesystem::path& path, LogHead head, const CaptureOpt
     throw InputError(
         first, "exists, of a recorder that was killed: `trilat recover " + first + "`, or take another name");
   const LogHead before = head_of_event_log(there.front());
-  constexpr std::int64_t kClockStep_ns = 60'000'000'000;
-  if (std::abs((head.start_unix_ns - head.start_ns) - (before.start_unix_ns - before.start_ns)) >
-      kClockStep_ns)
+  if (!share_a_boot(head, before))
     throw InputError(
         first, "was begun before this machine was started anew, which set its clock back: `trilat recover " +
                    path.string() + "`, and take another name");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -178,6 +179,11 @@ std::int64_t unix_now_ns() {
 LogHead new_log_head(const SessionHeader& session, std::uint64_t recording, const std::string& agent) {
   std::random_device device;
   return {std::uint64_t{device()} << 32 | device(), recording, host_now_ns(), unix_now_ns(), agent, session};
+}
+
+bool share_a_boot(const LogHead& a, const LogHead& b) {
+  constexpr std::int64_t kClockStep_ns = 60'000'000'000;  // what setting the wall clock may do
+  return std::abs((a.start_unix_ns - a.start_ns) - (b.start_unix_ns - b.start_ns)) < kClockStep_ns;
 }
 
 LogScanner::LogScanner(std::string place, TakeEvent take, LogHead head, std::uint64_t offset)

@@ -37,6 +37,10 @@ struct LogHead {
 LogHead new_log_head(const SessionHeader& session, std::uint64_t recording = 0,
                      const std::string& agent = {});
 
+// Whether the machine was not started anew between two logs of it: by how their monotonic and wall clocks
+// stand, to a minute.
+bool share_a_boot(const LogHead& a, const LogHead& b);
+
 // Bytes of a log that are not what was written, or not whole.
 struct LogGap {
   std::uint64_t offset = 0, bytes = 0;

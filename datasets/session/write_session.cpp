@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -124,9 +123,9 @@ class LogCopy {
                                     : 0;
       joined.before = written_[s].drops;
       // a machine that was started anew has another monotonic clock
-      const std::int64_t shift = unix_ns(log.head, 0) - unix_ns(*joined.first, 0);
-      constexpr std::int64_t kClockStep_ns = 60'000'000'000;
-      joined.shift_ns = (std::abs(shift) > kClockStep_ns ? shift : 0) + *joined.first_shift_ns;
+      const std::int64_t shift =
+          share_a_boot(log.head, *joined.first) ? 0 : unix_ns(log.head, 0) - unix_ns(*joined.first, 0);
+      joined.shift_ns = shift + *joined.first_shift_ns;
       if (*joined.first_shift_ns != 0)
         to_.add_notice(
             s,

@@ -267,7 +267,7 @@ class MortalStream : public ByteStream {
 
 // Runs an agent for so long and kills it.
 void run_and_kill(const std::string& name, const ScratchFolder& folder, const Connect& connect,
-                  milliseconds after) {
+                  milliseconds after, std::size_t sensors = 1) {
   std::atomic<bool> killed{false};
   AgentOptions agent = agent_named(name, folder, [&]() -> std::unique_ptr<ByteStream> {
     if (killed) throw LinkLost("killed");
@@ -275,7 +275,7 @@ void run_and_kill(const std::string& name, const ScratchFolder& folder, const Co
   });
   agent.farewell_limit = milliseconds(50);
   agent.stop_requested = [&] { return killed.load(); };
-  auto run = std::async(std::launch::async, [&] { return run_agent(source_of(1'000'000), agent); });
+  auto run = std::async(std::launch::async, [&] { return run_agent(source_of(1'000'000, sensors), agent); });
   std::this_thread::sleep_for(after);
   killed = true;
   EXPECT_EQ(run.get().left.size(), 1u);
@@ -330,20 +330,7 @@ TEST(Agents, ASecondRunMayHaveFewerSensors) {
   std::atomic<std::uint64_t> looks{0};
   options.on_status = [&](const CaptureStatus& status) { looks += status.sensors.size(); };
   Recorder recorder(folder / "s.h5", 1, options);
-  {
-    std::atomic<bool> killed{false};
-    AgentOptions first =
-        agent_named("k1", folder, [&, connect = recorder.connect()]() -> std::unique_ptr<ByteStream> {
-          if (killed) throw LinkLost("killed");
-          return std::make_unique<MortalStream>(connect(), killed);
-        });
-    first.farewell_limit = milliseconds(50);
-    first.stop_requested = [&] { return killed.load(); };
-    auto run = std::async(std::launch::async, [&] { return run_agent(source_of(1'000'000, 2), first); });
-    std::this_thread::sleep_for(milliseconds(600));
-    killed = true;
-    run.get();
-  }
+  run_and_kill("k1", folder, recorder.connect(), milliseconds(600), 2);
   run_agent(source_of(1'000'000), agent_named("k1", folder, recorder.connect()));
   recorder.wait();
   EXPECT_GT(looks, 0u);
