@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <condition_variable>
-#include <deque>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "datasets/synthetic/simulation_spec.h"
@@ -46,36 +41,12 @@ enum class SourceUse { record, agent };
 
 // A source by its text, KIND:WHAT with settings KEY=VALUE behind commas:
 //   synthetic:N          N virtual Kinects and a walking person; seed=1, depth=yes, duration=SECONDS,
-//                        drop=SHARE, stall=AT+SECONDS, unplug=AT, speed=FACTOR (1; max: as fast as it can
-//                        be taken)
+//                        speed=FACTOR (1; max: as fast as it can be taken)
 // `place` is what an InputError names.
 std::unique_ptr<FrameSource> open_source(const std::string& text, const std::string& place = "--source",
                                          SourceUse use = SourceUse::record);
 
 // The texts that open_source() takes, for people.
 std::string source_help();
-
-// Takes events of another source ahead of time, on a thread of its own, so that each is there when it is due.
-class PrefetchSource : public FrameSource {
- public:
-  PrefetchSource(std::unique_ptr<FrameSource> inner, std::size_t events_ahead);
-  ~PrefetchSource() override;
-  const SessionHeader& header() const override { return inner_->header(); }
-  // What the inner source throws is thrown here, behind the events before it.
-  std::optional<SourceEvent> next() override;
-  void stop() override;
-
- private:
-  void fetch();
-
-  std::unique_ptr<FrameSource> inner_;
-  std::size_t events_ahead_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<SourceEvent> events_;
-  std::exception_ptr failure_;
-  bool ended_ = false, stopped_ = false;
-  std::thread thread_;  // the last: it uses all of the above
-};
 
 }  // namespace trilat

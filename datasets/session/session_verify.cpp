@@ -244,17 +244,19 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
               "no clock exchanges: the sensor is taken to share the recording machine's clock");
   const SensorCounts& counts = session.counts(sensor);
   if (counts.body_frames + counts.depth_frames == 0) return;
-  const ClockEvidence clock = evidence_of(fit_sensor_clock(session, sensor));
+  const SensorClockMap clock = fit_sensor_clock(session, sensor);
+  constexpr Duration kMaxBend{1'000'000};
   constexpr double kSure_ms = 2.0;  // the paper's "less than 5 ms" leaves no more for two clocks
-  const double sigma_ms = 1e-6 * static_cast<double>(clock.offset_sigma_ns);
-  const double bound_ms = 1e-6 * static_cast<double>(clock.offset_bound_ns);
+  const double sigma_ms = 1e-6 * static_cast<double>(clock.stamps.doubt.sigma_ns);
+  const double bound_ms = 1e-6 * static_cast<double>(clock.stamps.doubt.bound_ns);
+  const double outside_s = clock.stamps.doubt.outside.seconds();
   constexpr double kNear_s = 10.0;
-  if (clock.outside_exchanges_s > kNear_s)
+  if (outside_s > kNear_s)
     place.say(
         Severity::warning, "/clock_exchanges_ns",
         fmt::format("frames lie up to {:.1f} s from any exchange; there the clock of the sensor's computer "
                     "is known to {:.1f} ms (one standard deviation), and unlike delays could add {:.1f} ms",
-                    clock.outside_exchanges_s, sigma_ms, bound_ms),
+                    outside_s, sigma_ms, bound_ms),
         kTimes);
   else if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
     place.say(Severity::warning, "/clock_exchanges_ns",
@@ -262,16 +264,28 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
                           "deviation), and unlike delays could add {:.1f} ms",
                           sigma_ms, bound_ms),
               kTimes);
-  if (clock.drift_left_out_ppm != 0.0)
+  if (clock.agent.bend > kMaxBend)
+    place.say(Severity::warning, "/clock_exchanges_ns",
+              fmt::format("leave a straight line by {:.1f} ms {:.0f} s after the first: the clock of the "
+                          "sensor's computer changed its rate, or the network delayed one way",
+                          1e3 * clock.agent.bend.seconds(), clock.agent.bend_after.seconds()),
+              kTimes);
+  if (clock.stamps.bend > kMaxBend)
+    place.say(Severity::warning, "",
+              fmt::format("all frames of 10 s, {:.0f} s after the first, are {:.1f} ms later than a straight "
+                          "line from ticks to arrivals; the times there may be off by as much",
+                          clock.stamps.bend_after.seconds(), 1e3 * clock.stamps.bend.seconds()),
+              kTimes);
+  if (clock.stamps.drift_left_out != 0.0)
     place.say(Severity::warning, "",
               fmt::format("ticks drift by {:.0f} ppm against arrivals, which no clock does; taken as none, "
                           "since the recording is short",
-                          clock.drift_left_out_ppm),
+                          1e6 * clock.stamps.drift_left_out),
               kTimes);
-  if (clock.sensor_epochs > 1 || clock.agent_segments > 1)
+  if (clock.epochs.size() > 1)
     place.say(Severity::note, "",
-              fmt::format("its clocks were set {} times while recording; each stretch is fitted by itself",
-                          clock.sensor_epochs + clock.agent_segments - (clock.agent_segments > 0 ? 2 : 1)));
+              fmt::format("its ticks began anew {} times while recording; each stretch is fitted by itself",
+                          clock.epochs.size() - 1));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/session/clock/agent_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
 
@@ -99,9 +100,31 @@ struct JoinedSensor {
   StreamEnd bodies, depth;
   DropCount before{};                            // lost in and between the logs before the present one
   std::int64_t shift_ns = 0;                     // added to monotonic times of the present log
-  const LogHead* first = nullptr;                // log of this sensor
+  const OpenedLog* first = nullptr;              // log of this sensor
   std::optional<std::int64_t> first_shift_ns{};  // of that log against the first of all
 };
+
+// The agent's clock against the recorder's, as one log's exchanges say.
+AgentClock clock_of(const OpenedLog& log) {
+  std::vector<ClockExchange> exchanges;
+  read_event_log(log.input.path, [&](std::size_t sensor, LogEvent&& event) {
+    const auto* exchange = std::get_if<ClockExchange>(&event);
+    if (exchange && sensor == 0 && is_plausible(*exchange)) exchanges.push_back(*exchange);
+  });
+  return fit_agent_clock(exchanges);
+}
+
+// From the monotonic clock of a log to that of an earlier one: a machine that was started anew has another.
+// By the exchanges with one recorder, else by the wall clock.
+std::int64_t shift_ns_between(const OpenedLog& log, const OpenedLog& first) {
+  if (share_a_boot(log.head, first.head)) return 0;
+  if (log.head.recording != 0 && log.head.recording == first.head.recording) {
+    const AgentClock now = clock_of(log), before = clock_of(first);
+    if (now.exchanges_used > 0 && before.exchanges_used > 0)
+      return before.line.inverse()(now(now.first)).ns - now.first.ns;
+  }
+  return unix_ns(log.head, 0) - unix_ns(first.head, 0);
+}
 
 // Events of the logs into the session.
 class LogCopy {
@@ -116,16 +139,13 @@ class LogCopy {
     const bool is_alone = log.head.recording == 0 && !log.head.agent.empty();
     for (const std::size_t s : log.sensors) {
       JoinedSensor& joined = joined_[s];
-      if (!joined.first) joined.first = &log.head;
+      if (!joined.first) joined.first = &log;
       if (!joined.first_shift_ns)
         joined.first_shift_ns = is_alone && log.head.agent != first_log_->agent
                                     ? unix_ns(log.head, 0) - unix_ns(*first_log_, 0)
                                     : 0;
       joined.before = written_[s].drops;
-      // a machine that was started anew has another monotonic clock
-      const std::int64_t shift =
-          share_a_boot(log.head, *joined.first) ? 0 : unix_ns(log.head, 0) - unix_ns(*joined.first, 0);
-      joined.shift_ns = shift + *joined.first_shift_ns;
+      joined.shift_ns = shift_ns_between(log, *joined.first) + *joined.first_shift_ns;
       if (*joined.first_shift_ns != 0)
         to_.add_notice(
             s,

@@ -49,21 +49,21 @@ struct InfoArguments {
 // placed.
 Json clock_json(const SessionReader& session, std::size_t sensor) {
   try {
-    const ClockEvidence e = evidence_of(fit_sensor_clock(session, sensor));
-    return {{"sensor_restarts", e.sensor_epochs - 1},
-            {"sensor_pieces", e.sensor_pieces},
-            {"sensor_drift_ppm", e.sensor_drift_ppm},
-            {"agent_settings", e.agent_segments},
-            {"agent_pieces", e.agent_pieces},
-            {"agent_drift_ppm", e.agent_drift_ppm},
-            {"offset_sigma_s", 1e-9 * static_cast<double>(e.offset_sigma_ns)},
-            {"offset_bound_s", 1e-9 * static_cast<double>(e.offset_bound_ns)},
-            {"outside_exchanges_s", e.outside_exchanges_s},
-            {"lateness_median_s", e.lateness_median_s},
-            {"lateness_p99_s", e.lateness_p99_s},
-            {"exchanges_used", e.exchanges_used},
-            {"exchanges_backwards", e.exchanges_backwards},
-            {"exchanges_contradicting", e.exchanges_contradicting}};
+    const SensorClockMap clock = fit_sensor_clock(session, sensor);
+    const auto& [doubt, lateness_median, lateness_p99, bend, bend_after, drift_left_out] = clock.stamps;
+    const SensorEpoch& longest = *std::ranges::max_element(clock.epochs, {}, &SensorEpoch::frames);
+    return {{"sensor_restarts", clock.epochs.size() - 1},
+            {"sensor_drift_ppm", 1e6 * longest.line.drift},
+            {"sensor_bend_s", bend.seconds()},
+            {"agent_drift_ppm", 1e6 * clock.agent.line.drift},
+            {"agent_bend_s", clock.agent.bend.seconds()},
+            {"offset_sigma_s", 1e-9 * static_cast<double>(doubt.sigma_ns)},
+            {"offset_bound_s", 1e-9 * static_cast<double>(doubt.bound_ns)},
+            {"outside_exchanges_s", doubt.outside.seconds()},
+            {"lateness_median_s", lateness_median.seconds()},
+            {"lateness_p99_s", lateness_p99.seconds()},
+            {"exchanges_used", clock.agent.exchanges_used},
+            {"exchanges_backwards", clock.agent.exchanges_backwards}};
   } catch (const InputError& error) {
     return {{"problem", std::string(error.what())}};
   }

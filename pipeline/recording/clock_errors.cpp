@@ -44,12 +44,10 @@ struct TrialErrors {
 FitShares shares_of(const ClockTrial& trial, const std::vector<double>& errors_s) {
   const AgentClock clock = fit_agent_clock(trial.exchanges);
   FitShares fit;
-  if (clock.segments.empty()) return fit;
+  if (clock.exchanges_used == 0) return fit;
   fit.fitted = true;
-  for (const AgentSegment& segment : clock.segments) {
-    fit.sigma_s = std::max(fit.sigma_s, 1e-9 * static_cast<double>(segment.offset_sigma_ns));
-    fit.bound_s = std::max(fit.bound_s, 1e-9 * static_cast<double>(segment.offset_bound_ns));
-  }
+  fit.sigma_s = 1e-9 * static_cast<double>(clock.sigma_ns());
+  fit.bound_s = 1e-9 * static_cast<double>(clock.bound_ns);
   const double limit_s = fit.bound_s + kSigmas * fit.sigma_s;
   const auto within = std::ranges::count_if(errors_s, [&](double e) { return std::abs(e) <= limit_s; });
   fit.within = static_cast<double>(within) / static_cast<double>(errors_s.size());

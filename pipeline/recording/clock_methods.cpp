@@ -89,8 +89,8 @@ std::vector<double> by_fit(const ClockTrial& trial) {
   const AgentClock clock = fit_agent_clock(trial.exchanges);
   std::vector<double> errors_s;
   for (const TrialFrame& f : trial.frames)
-    errors_s.push_back(clock.segments.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                              : seconds((clock({f.stamp.arrival_ns}) - f.sent).ns));
+    errors_s.push_back(clock.exchanges_used == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                 : seconds((clock({f.stamp.arrival_ns}) - f.sent).ns));
   return errors_s;
 }
 

@@ -13,6 +13,7 @@ struct KinectRuntime {
   std::function<HResult(IKinectSensor** sensor)> default_sensor;
   // True when the handle was signalled within the time.
   std::function<bool(WaitableHandle handle, std::chrono::milliseconds at_most)> wait;
+  std::function<void(void* memory)> free;  // what the runtime gave away
 };
 
 // Loads Kinect20.dll. InputError where it is not installed. Windows only.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <objbase.h>
 #include <windows.h>
 
 #include "datasets/base/error.h"
@@ -19,7 +20,7 @@ KinectRuntime load_kinect_runtime() {
     return ::WaitForSingleObject(reinterpret_cast<HANDLE>(handle), static_cast<DWORD>(at_most.count())) ==
            WAIT_OBJECT_0;
   };
-  return {get_sensor, wait};
+  return {get_sensor, wait, ::CoTaskMemFree};
 }
 
 }  // namespace trilat::kinect

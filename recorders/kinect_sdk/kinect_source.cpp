@@ -2,10 +2,15 @@
 #include "recorders/kinect_sdk/kinect_source.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "datasets/base/error.h"
+#include "datasets/geometry/depth_camera.h"
 #include "recorders/frame_source.h"
 
 namespace trilat {
@@ -30,6 +35,36 @@ std::string ascii_of(const char16_t* text) {
   std::string result;
   for (; *text; ++text) result.push_back(*text < 0x7f ? static_cast<char>(*text) : '?');
   return result;
+}
+
+// By how much the rays of a table lie beside those of the intrinsics, in pixels right and down: the median
+// over the middle of the image. Nothing where half of the rays leave it by more than half a pixel.
+std::optional<std::array<double, 2>> shift_of_rays(std::span<const kinect::PointF> rays,
+                                                   const DepthIntrinsics& in) {
+  constexpr int kMargin = 64, kStep = 8;
+  constexpr double kMaxSpread_px = 0.5;
+  std::array<std::vector<double>, 2> shifts_px;
+  for (int v = kMargin; v < in.height_px - kMargin; v += kStep)
+    for (int u = kMargin; u < in.width_px - kMargin; u += kStep) {
+      const kinect::PointF ray = rays[static_cast<std::size_t>(v * in.width_px + u)];
+      if (!std::isfinite(ray.x) || !std::isfinite(ray.y)) continue;
+      const auto pixel_px = project(in, {ray.x, ray.y, 1.0});
+      if (!pixel_px) continue;
+      shifts_px[0].push_back(u - pixel_px->x());
+      shifts_px[1].push_back(v - pixel_px->y());
+    }
+  std::array<double, 2> shift{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    std::vector<double>& values = shifts_px[axis];
+    if (values.empty()) return std::nullopt;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    shift[axis] = *middle;
+    for (double& value : values) value = std::abs(value - shift[axis]);
+    std::ranges::nth_element(values, middle);
+    if (*middle > kMaxSpread_px) return std::nullopt;
+  }
+  return shift;
 }
 
 }  // namespace
@@ -93,7 +128,33 @@ bool KinectSource::read_intrinsics(DepthIntrinsics& intrinsics) {
   intrinsics.k1 = read.radial_distortion_second_order;
   intrinsics.k2 = read.radial_distortion_fourth_order;
   intrinsics.k3 = read.radial_distortion_sixth_order;
+  move_principal_point(*mapper, intrinsics);
   return true;
+}
+
+// The SDK does not say whether its principal point counts pixels from their centres or their corners; its
+// table of a ray a pixel does.
+void KinectSource::move_principal_point(kinect::ICoordinateMapper& mapper, DepthIntrinsics& intrinsics) {
+  std::uint32_t entries = 0;
+  kinect::PointF* rays = nullptr;
+  if (failed(mapper.GetDepthFrameToCameraSpaceTable(&entries, &rays)) || !rays) return;
+  const auto shift = entries == kDepthPixels ? shift_of_rays({rays, entries}, intrinsics) : std::nullopt;
+  runtime_.free(rays);
+  if (!shift) {
+    ready_.push_back(
+        {0, SourceNotice{"the SDK's table of rays is not that of its intrinsics, which are kept"}});
+    return;
+  }
+  constexpr double kNotable_px = 0.1;
+  if (std::hypot((*shift)[0], (*shift)[1]) > kNotable_px) {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "the SDK's table of rays moves its principal point (%.2f, %.2f) by (%.2f, %.2f) pixels",
+                  intrinsics.cx_px, intrinsics.cy_px, (*shift)[0], (*shift)[1]);
+    ready_.push_back({0, SourceNotice{text}});
+  }
+  intrinsics.cx_px += (*shift)[0];
+  intrinsics.cy_px += (*shift)[1];
 }
 
 bool KinectSource::available() {

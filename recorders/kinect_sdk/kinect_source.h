@@ -72,6 +72,7 @@ class KinectSource : public FrameSource {
   void open();
   void describe();
   bool read_intrinsics(DepthIntrinsics& intrinsics);
+  void move_principal_point(kinect::ICoordinateMapper& mapper, DepthIntrinsics& intrinsics);
   bool available();
   void lose(std::int64_t frames);
   bool has_frame() const;

@@ -32,6 +32,10 @@ struct CameraSpacePoint {
   float x, y, z;
 };
 
+struct PointF {
+  float x, y;
+};
+
 struct Joint {
   std::int32_t joint_type;
   CameraSpacePoint position;
@@ -210,7 +214,8 @@ struct ICoordinateMapper : IUnknown {
   virtual HResult MapDepthFrameToColorSpace() = 0;
   virtual HResult MapColorFrameToDepthSpace() = 0;
   virtual HResult MapColorFrameToCameraSpace() = 0;
-  virtual HResult GetDepthFrameToCameraSpaceTable() = 0;
+  // A ray a pixel of the depth frame, at z = 1; the caller frees it.
+  virtual HResult GetDepthFrameToCameraSpaceTable(std::uint32_t* entries, PointF** rays) = 0;
   virtual HResult GetDepthCameraIntrinsics(CameraIntrinsics* intrinsics) = 0;
 
  protected:

@@ -35,17 +35,17 @@ TEST(ClockDoubt, NinetyNineFramesOfAHundredLieWithinWhatIsStated) {
       SimulatedClocks clocks = hardship.clocks;
       clocks.seed = seed;
       const ClockErrors errors = clock_errors(clocks);
-      const double bound_ms = 1e-6 * static_cast<double>(errors.evidence.offset_bound_ns);
-      const double sigma_ms = 1e-6 * static_cast<double>(errors.evidence.offset_sigma_ns);
+      const double bound_ms = 1e-6 * static_cast<double>(errors.map.stamps.doubt.bound_ns);
+      const double sigma_ms = 1e-6 * static_cast<double>(errors.map.stamps.doubt.sigma_ns);
       EXPECT_GT(errors.share_within(bound_ms + 4.0 * sigma_ms), 0.99) << hardship.name << ", seed " << seed;
       EXPECT_GT(sigma_ms, 0.0) << hardship.name;
     }
 }
 
 TEST(ClockDoubt, AFullRecordingIsNotCalledUncertain) {
-  const ClockEvidence evidence = clock_errors({}).evidence;
-  EXPECT_LT(evidence.offset_sigma_ns, 100'000);
-  EXPECT_LT(evidence.offset_bound_ns, 700'000);
+  const StampEvidence stamps = clock_errors({}).map.stamps;
+  EXPECT_LT(stamps.doubt.sigma_ns, 100'000);
+  EXPECT_LT(stamps.doubt.bound_ns, 700'000);
 }
 
 TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinTwoMilliseconds) {
@@ -56,21 +56,21 @@ TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinTwoMilliseconds) {
 }
 
 TEST(ClockDoubt, FramesOutsideTheExchangesAreTold) {
-  EXPECT_NEAR(clock_errors({.exchanges_until_s = 60.0}).evidence.outside_exchanges_s, 540.0, 0.5);
-  EXPECT_LT(clock_errors({}).evidence.outside_exchanges_s, 0.5);
+  EXPECT_NEAR(clock_errors({.exchanges_until_s = 60.0}).map.stamps.doubt.outside.seconds(), 540.0, 0.5);
+  EXPECT_LT(clock_errors({}).map.stamps.doubt.outside.seconds(), 0.5);
 }
 
 TEST(ClockDoubt, TheLatenessOfArrivalsIsTold) {
-  const ClockEvidence evidence = clock_errors({.arrival_jitter_ms = 3.0}).evidence;
-  EXPECT_NEAR(evidence.lateness_median_s, 0.003 * std::log(2.0), 2e-4);
-  EXPECT_NEAR(evidence.lateness_p99_s, 0.003 * std::log(100.0), 1e-3);
+  const StampEvidence stamps = clock_errors({.arrival_jitter_ms = 3.0}).map.stamps;
+  EXPECT_NEAR(stamps.lateness_median.seconds(), 0.003 * std::log(2.0), 2e-4);
+  EXPECT_NEAR(stamps.lateness_p99.seconds(), 0.003 * std::log(100.0), 1e-3);
 }
 
 TEST(ClockDoubt, ADriftThatIsLeftOutIsTold) {
   const ClockErrors errors =
       clock_errors({.seconds = 4.0, .sensor_drift_ppm = 5000.0, .arrival_jitter_ms = 0.1});
-  EXPECT_NEAR(errors.evidence.drift_left_out_ppm, -5000.0, 200.0);
-  EXPECT_EQ(clock_errors({}).evidence.drift_left_out_ppm, 0.0);
+  EXPECT_NEAR(errors.map.stamps.drift_left_out, -5e-3, 2e-4);
+  EXPECT_EQ(clock_errors({}).map.stamps.drift_left_out, 0.0);
 }
 
 }  // namespace

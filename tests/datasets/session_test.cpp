@@ -322,14 +322,14 @@ TEST(Session, VerifySaysNothingOfASoundRecording) {
             "note no clock exchanges: the sensor is taken to share the recording machine's clock | \n");
 }
 
-TEST(Session, VerifyCountsHowOftenClocksWereSet) {
+TEST(Session, VerifyCountsHowOftenTicksBeganAnew) {
   EXPECT_THAT(said_of(written("restarts.h5", 900,
                               [](std::int64_t i, BodyFrame& frame) {
                                 if (i >= 300) frame.stamp.device_ticks -= 300 * 333'333;
                                 if (i >= 600) frame.stamp.device_ticks -= 300 * 333'333;
                                 return true;
                               })),
-              HasSubstr("its clocks were set 2 times while recording"));
+              HasSubstr("its ticks began anew 2 times while recording"));
 }
 
 TEST(Session, NamesOfSensorsAreNamesOfGroups) {

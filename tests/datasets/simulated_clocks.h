@@ -26,7 +26,6 @@ struct SimulatedClocks {
   double burst_every_s = 0.0, burst_length_s = 0.0, burst_ms = 0.0;  // of delay, on both ways and of frames
   double agent_step_at_s = 1e9, agent_step_s = 0.0;
   double sensor_restart_at_s = 1e9;
-  bool agent_restarts = false;  // its clock begins again at the step
   std::int64_t tick_ns = 100;
   std::int64_t first_tick = 123'456'789;
   double arrival_jitter_ms = 1.0;
@@ -45,7 +44,7 @@ struct SimulatedClocks {
   }
   std::int64_t agent_ns(double t_s) const {
     double agent_s = 5000.0 + t_s * (1.0 + 1e-6 * agent_drift_ppm) + wander_s(t_s);
-    if (t_s >= agent_step_at_s) agent_s = agent_restarts ? agent_s - 4000.0 : agent_s + agent_step_s;
+    if (t_s >= agent_step_at_s) agent_s += agent_step_s;
     return std::llround(agent_s * 1e9);
   }
   std::int64_t ticks(double t_s) const {
@@ -92,7 +91,7 @@ struct SimulatedClocks {
 
 struct ClockErrors {
   std::vector<double> ms;  // absolute, rising
-  ClockEvidence evidence;
+  SensorClockMap map;
 
   double max_ms() const { return ms.back(); }
   double quantile_ms(double share) const {
@@ -118,11 +117,10 @@ inline SensorClockMap fitted(const SimulatedClocks& clocks, const std::vector<Si
 // How far every frame's time is off, after the fit.
 inline ClockErrors clock_errors(const SimulatedClocks& clocks) {
   const auto frames = clocks.frames();
-  const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
   ClockErrors errors;
-  errors.evidence = evidence_of(map);
+  errors.map = fitted(clocks, frames, clocks.exchanges());
   for (const auto& frame : frames)
-    errors.ms.push_back(std::abs((map(frame.stamp) - frame.exposure).seconds()) * 1e3);
+    errors.ms.push_back(std::abs((errors.map(frame.stamp) - frame.exposure).seconds()) * 1e3);
   std::ranges::sort(errors.ms);
   return errors;
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <thread>
 
+#include "datasets/geometry/depth_camera.h"
 #include "datasets/session/session_types.h"
 #include "recorders/kinect_sdk/kinect_runtime.h"
 #include "tests/recorders/fake_kinect_tables.h"
@@ -23,6 +25,9 @@ struct Exposure {
 
 struct Desk {
   std::deque<Exposure> exposures;
+  double rays_right_px = 0.0, rays_down_px = 0.0;  // of the table beside the intrinsics
+  bool has_rays = true;
+  int tables_held = 0;
   bool available = true;
   bool intrinsics_known = true;
   int bodies_made = 0;
@@ -155,6 +160,24 @@ struct Mapper : ICoordinateMapperTable {
                                 : CameraIntrinsics{};
     return kOk;
   }
+  HResult GetDepthFrameToCameraSpaceTable(std::uint32_t* entries, PointF** rays) override {
+    if (!desk.has_rays) return kFailed;
+    DepthIntrinsics in;
+    in.fx_px = 365.5, in.fy_px = 366.5, in.k1 = 0.09, in.k2 = -0.27, in.k3 = 0.1;
+    in.cx_px = 255.0 + desk.rays_right_px, in.cy_px = 207.0 + desk.rays_down_px;
+    *entries = kDepthPixels;
+    *rays = new PointF[kDepthPixels];
+    ++desk.tables_held;
+    for (int v = 0; v < in.height_px; ++v)
+      for (int u = 0; u < in.width_px; ++u) {
+        const auto ray = ray_through(in, {u, v});
+        const float unknown = -std::numeric_limits<float>::infinity();
+        (*rays)[v * in.width_px + u] =
+            ray ? PointF{static_cast<float>(ray->x()), static_cast<float>(ray->y())}
+                : PointF{unknown, unknown};
+      }
+    return kOk;
+  }
   Desk& desk;
 };
 
@@ -186,6 +209,10 @@ inline KinectRuntime runtime_of(Desk& desk) {
             if (!desk.exposures.empty()) return true;
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
             return false;
+          },
+          [&desk](void* memory) {
+            --desk.tables_held;
+            delete[] static_cast<PointF*>(memory);
           }};
 }
 

@@ -119,7 +119,7 @@ struct ICoordinateMapperTable : Object<ICoordinateMapper> {
   HResult MapDepthFrameToColorSpace() override { return kFailed; }
   HResult MapColorFrameToDepthSpace() override { return kFailed; }
   HResult MapColorFrameToCameraSpace() override { return kFailed; }
-  HResult GetDepthFrameToCameraSpaceTable() override { return kFailed; }
+  HResult GetDepthFrameToCameraSpaceTable(std::uint32_t*, PointF**) override { return kFailed; }
   HResult GetDepthCameraIntrinsics(CameraIntrinsics*) override { return kFailed; }
 };
 

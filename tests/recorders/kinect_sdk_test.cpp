@@ -75,6 +75,7 @@ TEST(KinectSdk, FunctionsStandWhereTheSdkHasThem) {
   EXPECT_EQ(slot_of(&IBody::get_HandLeftState), 9u);
   EXPECT_EQ(slot_of(&IBody::get_TrackingId), 14u);
   EXPECT_EQ(slot_of(&IBody::get_IsTracked), 15u);
+  EXPECT_EQ(slot_of(&ICoordinateMapper::GetDepthFrameToCameraSpaceTable), 18u);
   EXPECT_EQ(slot_of(&ICoordinateMapper::GetDepthCameraIntrinsics), 19u);
 }
 
@@ -87,9 +88,28 @@ TEST(KinectSource, DescribesTheSensorAfterItsFirstFrame) {
   EXPECT_EQ(sensor.tick_ns, 100);
   EXPECT_TRUE(sensor.has_depth);
   EXPECT_EQ(sensor.intrinsics.fy_px, 366.5);
-  EXPECT_EQ(sensor.intrinsics.cy_px, 207.0);
+  EXPECT_NEAR(sensor.intrinsics.cy_px, 207.0, 1e-3);
   EXPECT_EQ(sensor.intrinsics.k2, static_cast<double>(-0.27f));
   EXPECT_TRUE(source.live());
+}
+
+TEST(KinectSource, TakesThePrincipalPointFromTheTableOfRays) {
+  Desk desk = desk_with({});
+  desk.rays_right_px = -0.5;
+  desk.rays_down_px = 0.5;
+  KinectSource source(kinect::fake::runtime_of(desk), kQuick);
+  const DepthIntrinsics& in = source.header().sensors.at(0).intrinsics;
+  EXPECT_NEAR(in.cx_px, 254.5, 1e-3);
+  EXPECT_NEAR(in.cy_px, 207.5, 1e-3);
+  EXPECT_THAT(take<SourceNotice>(source).text, HasSubstr("(255.00, 207.00) by (-0.50, 0.50)"));
+  EXPECT_EQ(desk.tables_held, 0);
+}
+
+TEST(KinectSource, KeepsThePrincipalPointWithoutATableOfRays) {
+  Desk desk = desk_with({});
+  desk.has_rays = false;
+  KinectSource source(kinect::fake::runtime_of(desk), kQuick);
+  EXPECT_EQ(source.header().sensors.at(0).intrinsics.cx_px, 255.0);
 }
 
 TEST(KinectSource, DeliversDepthAndBodiesOfAnExposureWithOneNumber) {

@@ -3,175 +3,196 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include "datasets/base/median.h"
-#include "datasets/session/clock/offset_samples.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::int64_t kShortestDriftSpan_ns = 10'000'000'000;
+constexpr std::int64_t kMinDriftSpan_ns = 10'000'000'000;
+constexpr std::int64_t kWindow_ns = 10'000'000'000;
+constexpr std::ptrdiff_t kMinWindowExchanges = 12;
+constexpr std::size_t kMinUsed = 3;
 constexpr double kUnknownDrift = 50e-6;  // standard deviation, of common crystals
-constexpr std::size_t kFewestOfSpread = 3;
-constexpr double kWarmingDrift = 1e-6;  // standard deviation of a drift's change where nothing shows it
+constexpr double kWarmingDrift = 1e-6;   // standard deviation of a drift's change where nothing shows it
+constexpr double kCertainSigmas = 4.0;
+constexpr double kMedianVariance = 1.5708;  // of a median of normal values against that of their mean
 
-// Of agent against host.
-struct KnownDrift {
-  double drift = 0.0;
-  double sigma = kUnknownDrift;
-};
+// Time that an exchange spent on the wire, both ways.
+std::int64_t delay_ns(const ClockExchange& e) { return (e.t4_ns - e.t1_ns) - (e.t3_ns - e.t2_ns); }
 
-struct FittedSegment {
-  AgentSegment segment;
-  std::size_t used = 0;
-};
-
-std::int64_t most_delay_ns(const std::vector<ClockExchange>& exchanges) {
-  std::int64_t most_ns = 0;
-  for (const ClockExchange& e : exchanges) most_ns = std::max(most_ns, delay_ns(e));
-  return most_ns;
+// False when it was answered before it was sent, or took longer to answer than it was away.
+bool runs_forwards(const ClockExchange& e) {
+  return e.t4_ns >= e.t1_ns && e.t3_ns >= e.t2_ns && delay_ns(e) >= 0;
 }
 
-// How much the drift of pieces differs from that of their line.
-double drift_spread(const AgentSegment& segment) {
-  double squares = 0.0;
-  for (const auto& piece : segment.host_from_agent.pieces)
-    squares += std::pow(piece.map.drift - segment.line.drift, 2);
-  return std::sqrt(squares / static_cast<double>(segment.host_from_agent.pieces.size()));
+std::int64_t midpoint_ns(const ClockExchange& e) { return e.t1_ns + (e.t4_ns - e.t1_ns) / 2; }
+std::int64_t twice_offset_ns(const ClockExchange& e) { return (e.t2_ns - e.t1_ns) + (e.t3_ns - e.t4_ns); }
+
+std::vector<ClockExchange> forwards_by_time(std::span<const ClockExchange> exchanges) {
+  std::vector<ClockExchange> sound;
+  std::ranges::copy_if(exchanges, std::back_inserter(sound), runs_forwards);
+  std::ranges::stable_sort(sound, {}, &ClockExchange::t1_ns);
+  return sound;
 }
 
-// Straight pieces through the medians of windows.
-void bend(FittedSegment& fitted, const std::vector<WanderWindow>& windows) {
-  AgentSegment& segment = fitted.segment;
-  const auto agent_from_host = segment.line.inverse();
-  std::vector<ClockKnot<HostClock, AgentTag>> knots;
-  double sigma_ns = 0.0;
-  fitted.used = 0;
-  for (const WanderWindow& w : windows) {
-    const AgentTime agent = agent_from_host({w.host_ns}) + Duration{std::llround(w.residual_ns)};
-    if (!knots.empty() && agent <= knots.back().from) continue;
-    knots.push_back({agent, {w.host_ns}});
-    sigma_ns = std::max(sigma_ns, w.sigma_ns);
-    fitted.used += w.exchanges;
+// The quarter of least delay, but three at least, by t1.
+std::vector<ClockExchange> least_delayed(std::vector<ClockExchange> exchanges) {
+  std::ranges::stable_sort(exchanges, {}, delay_ns);
+  exchanges.resize(std::min(exchanges.size(), std::max(kMinUsed, exchanges.size() / 4)));
+  std::ranges::sort(exchanges, {}, &ClockExchange::t1_ns);
+  return exchanges;
+}
+
+// agent - host = base + intercept + slope (host - origin), delays taken as alike both ways
+struct OffsetLine {
+  std::int64_t origin_ns = 0, base_ns = 0;  // the base keeps the digits of the rest
+  double intercept_ns = 0.0;
+  double slope = 0.0;
+
+  double residual_ns(const ClockExchange& e) const {
+    const double offset_ns = static_cast<double>(twice_offset_ns(e) - 2 * base_ns) / 2.0;
+    return offset_ns - slope * static_cast<double>(midpoint_ns(e) - origin_ns) - intercept_ns;
   }
-  segment.host_from_agent = through(knots, segment.line);
-  segment.spread = {segment.first, segment.last, sigma_ns, drift_spread(segment)};
+  std::vector<double> residuals_ns(const std::vector<ClockExchange>& exchanges) const {
+    std::vector<double> residuals_ns;
+    for (const ClockExchange& e : exchanges) residuals_ns.push_back(residual_ns(e));
+    return residuals_ns;
+  }
+};
+
+// Median of the slopes between exchanges at least a third of the span apart (Theil and Sen); bounded work for
+// long recordings.
+double median_slope(const std::vector<ClockExchange>& exchanges) {
+  const std::size_t step = std::max<std::size_t>(1, exchanges.size() / 200);
+  const double min_span =
+      static_cast<double>(midpoint_ns(exchanges.back()) - midpoint_ns(exchanges.front())) / 3.0;
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < exchanges.size(); i += step)
+    for (std::size_t j = i + 1; j < exchanges.size(); j += step) {
+      const double span = static_cast<double>(midpoint_ns(exchanges[j]) - midpoint_ns(exchanges[i]));
+      const std::int64_t twice_ns = twice_offset_ns(exchanges[j]) - twice_offset_ns(exchanges[i]);
+      if (span > 0.0 && span >= min_span) slopes.push_back(static_cast<double>(twice_ns) / 2.0 / span);
+    }
+  return slopes.empty() ? 0.0 : upper_median(std::move(slopes));
 }
 
-void lay_along(AgentSegment& segment, const OffsetLine& line, std::int64_t base_ns) {
-  const ClockMap<AgentTag, HostClock> agent_from_host{
-      {line.origin_ns}, {line.origin_ns + base_ns + std::llround(line.intercept_ns)}, line.slope};
-  segment.line = agent_from_host.inverse();
-  segment.host_from_agent = along(segment.line);
-}
-
-void spread_from_middle(AgentSegment& segment, double sigma_ns, double drift_sigma) {
-  const AgentTime middle{segment.first.ns + (segment.last - segment.first).ns / 2};
-  segment.spread = {middle, middle, sigma_ns, drift_sigma};
-}
-
-// `known` where the segment is too short to tell its drift.
-OffsetLine fit_line(AgentSegment& segment, const std::vector<OffsetSample>& samples, std::int64_t base_ns,
-                    KnownDrift known) {
-  OffsetLine line{samples.front().host_ns, 0.0, known.drift};
-  const auto span_ns = static_cast<double>(samples.back().host_ns - line.origin_ns);
-  // a slope from a short burst would be carried far beyond it
-  segment.has_drift = samples.back().host_ns - line.origin_ns >= kShortestDriftSpan_ns;
-  if (segment.has_drift) line.slope = median_slope(samples);
-  line.intercept_ns = upper_median(residuals_of(samples, line));
-  lay_along(segment, line, base_ns);
-  const double sigma_ns = sigma_of_median(sigma_of(residuals_of(samples, line), 0.0), samples.size());
-  spread_from_middle(segment, sigma_ns,
-                     segment.has_drift ? std::sqrt(12.0) * sigma_ns / span_ns : known.sigma);
+OffsetLine fit_line(const std::vector<ClockExchange>& used, bool has_drift) {
+  OffsetLine line{midpoint_ns(used.front()), twice_offset_ns(used.front()) / 2};
+  if (has_drift) line.slope = median_slope(used);
+  line.intercept_ns = upper_median(line.residuals_ns(used));
   return line;
 }
 
-// Unlike delays of both ways move the midpoint of an exchange by half of its delay at most.
-void state_doubt(AgentSegment& segment, const std::vector<ClockExchange>& used) {
-  for (const ClockExchange& e : used) {
-    const HostTime midpoint{e.t1_ns + (e.t4_ns - e.t1_ns) / 2};
-    const HostTime fitted = segment.host_from_agent({e.t2_ns + (e.t3_ns - e.t2_ns) / 2});
-    segment.offset_bound_ns =
-        std::max(segment.offset_bound_ns, delay_ns(e) / 2 + std::abs((fitted - midpoint).ns));
+// Standard deviation of the median of normal values, from their median absolute deviation.
+double sigma_of_median(std::vector<double> values) {
+  const double middle = upper_median(values);
+  for (double& value : values) value = std::abs(value - middle);
+  const auto count = static_cast<double>(values.size());
+  return 1.4826 * upper_median(std::move(values)) * std::sqrt(kMedianVariance / count);
+}
+
+// Median of the least delayed exchanges of some seconds, against the line.
+struct Window {
+  std::int64_t agent_ns = 0;
+  double residual_ns = 0.0;
+  double sigma_ns = 0.0;
+};
+
+// Of 10 s each, longer where these hold fewer than twelve exchanges. Exchanges of more than twice the usual
+// delay are left out, and windows that keep fewer than three.
+std::vector<Window> windows_of(const std::vector<ClockExchange>& exchanges, const OffsetLine& line,
+                               std::int64_t usual_delay_ns) {
+  std::vector<Window> windows;
+  for (auto first = exchanges.begin(), end = first; first != exchanges.end(); first = end) {
+    while (end != exchanges.end() &&
+           (end->t1_ns - first->t1_ns < kWindow_ns || end - first < kMinWindowExchanges))
+      ++end;
+    std::vector<ClockExchange> used = least_delayed({first, end});
+    std::erase_if(used, [&](const ClockExchange& e) { return delay_ns(e) > 2 * usual_delay_ns; });
+    if (used.size() < kMinUsed) continue;
+    const std::vector<double> residuals_ns = line.residuals_ns(used);
+    windows.push_back(
+        {used[used.size() / 2].t2_ns, upper_median(residuals_ns), sigma_of_median(residuals_ns)});
   }
-  // one or two show no spread; anywhere within the bound is as likely
-  if (used.size() < kFewestOfSpread)
-    segment.spread.sigma_ns =
-        std::max(segment.spread.sigma_ns, static_cast<double>(segment.offset_bound_ns) / std::sqrt(3.0));
-  for (AgentTime end : {segment.first, segment.last})
-    segment.offset_sigma_ns = std::max(segment.offset_sigma_ns, segment.doubt(end).sigma_ns);
+  std::vector<double> sigmas_ns;
+  for (const Window& w : windows) sigmas_ns.push_back(w.sigma_ns);
+  // one window's own is too uncertain
+  if (!windows.empty())
+    for (const double usual_ns = upper_median(sigmas_ns); Window & w : windows) w.sigma_ns = usual_ns;
+  return windows;
 }
 
-FittedSegment fit_segment(const std::vector<ClockExchange>& exchanges, KnownDrift known) {
-  const std::vector<ClockExchange> used = least_delayed(exchanges);
-  FittedSegment fitted;
-  fitted.used = used.size();
-  fitted.segment.first = {exchanges.front().t2_ns};
-  fitted.segment.last = {exchanges.back().t3_ns};
-  const std::int64_t base_ns = twice_offset_ns(used.front()) / 2;
-  const OffsetLine line = fit_line(fitted.segment, samples_of(used, base_ns), base_ns, known);
-  if (fitted.segment.has_drift)
-    if (const auto windows = wander_windows(exchanges, base_ns, line, most_delay_ns(used));
-        !is_straight(windows))
-      bend(fitted, windows);
-  state_doubt(fitted.segment, used);
-  return fitted;
-}
-
-// A machine keeps its crystal when its clock is set anew: short segments take the longest one's drift.
-KnownDrift drift_of_longest(const std::vector<std::vector<ClockExchange>>& segments) {
-  KnownDrift known;
-  std::size_t longest = 0;
-  for (const std::vector<ClockExchange>& exchanges : segments) {
-    if (exchanges.size() <= longest) continue;
-    const AgentSegment segment = fit_segment(exchanges, {}).segment;
-    if (!segment.has_drift) continue;
-    longest = exchanges.size();
-    known = {segment.line.inverse().drift, segment.spread.drift_sigma};
+// The line's and the clock's own uncertainty, from what the windows show of it, or of few windows from the
+// exchanges themselves.
+void state_sigma(AgentClock& clock, const OffsetLine& line, const std::vector<ClockExchange>& used,
+                 const std::vector<Window>& windows) {
+  clock.middle_sigma_ns = sigma_of_median(line.residuals_ns(used));
+  if (windows.size() >= kMinUsed) {
+    double squares = 0.0;
+    for (const Window& w : windows) squares += w.residual_ns * w.residual_ns;
+    squares /= static_cast<double>(windows.size());
+    clock.middle_sigma_ns = std::max(
+        clock.middle_sigma_ns, std::sqrt(kMedianVariance * squares / static_cast<double>(windows.size())));
+    clock.wander_sigma_ns = std::sqrt(std::max(0.0, squares - windows[0].sigma_ns * windows[0].sigma_ns));
   }
-  return known;
+  // one or two exchanges show no spread; anywhere within the bound is as likely
+  if (used.size() < kMinUsed) clock.middle_sigma_ns = static_cast<double>(clock.bound_ns) / std::sqrt(3.0);
+  const auto span_ns = static_cast<double>((clock.last - clock.first).ns);
+  clock.drift_sigma = clock.has_drift ? std::sqrt(12.0) * clock.middle_sigma_ns / span_ns : kUnknownDrift;
 }
 
-std::int64_t distance_ns(AgentTime first, AgentTime last, AgentTime t) {
-  return std::max({std::int64_t{0}, (first - t).ns, (t - last).ns});
-}
-
-const AgentSegment& nearest(const std::vector<AgentSegment>& segments, AgentTime t) {
-  return *std::ranges::min_element(segments, [&](const auto& a, const auto& b) {
-    return distance_ns(a.first, a.last, t) < distance_ns(b.first, b.last, t);
-  });
+void find_bend(AgentClock& clock, const std::vector<Window>& windows) {
+  for (const Window& w : windows) {
+    const Duration away{std::llround(std::abs(w.residual_ns))};
+    if (std::abs(w.residual_ns) <= kCertainSigmas * w.sigma_ns || away <= clock.bend) continue;
+    clock.bend = away;
+    clock.bend_after = AgentTime{w.agent_ns} - clock.first;
+  }
 }
 
 }  // namespace
 
-OffsetDoubt AgentSegment::doubt(AgentTime t) const {
-  const auto away_ns = static_cast<double>(distance_ns(spread.rest_from, spread.rest_to, t));
-  const Duration outside{distance_ns(first, last, t)};
-  const double sigma_ns = std::hypot(spread.sigma_ns, spread.drift_sigma * away_ns,
-                                     kWarmingDrift * static_cast<double>(outside.ns));
-  return {std::llround(sigma_ns), offset_bound_ns, outside};
-}
-
-HostTime AgentClock::operator()(AgentTime t) const {
-  return segments.empty() ? HostTime{t.ns} : nearest(segments, t).host_from_agent(t);
-}
-
 OffsetDoubt AgentClock::doubt(AgentTime t) const {
-  return segments.empty() ? OffsetDoubt{} : nearest(segments, t).doubt(t);
+  if (exchanges_used == 0) return {};
+  const AgentTime middle{first.ns + (last - first).ns / 2};
+  const Duration outside{std::max({std::int64_t{0}, (first - t).ns, (t - last).ns})};
+  const double sigma_ns = std::hypot(std::hypot(wander_sigma_ns, middle_sigma_ns),
+                                     drift_sigma * static_cast<double>((t - middle).ns),
+                                     kWarmingDrift * static_cast<double>(outside.ns));
+  return {std::llround(sigma_ns), bound_ns, outside};
 }
+
+std::int64_t AgentClock::sigma_ns() const { return std::max(doubt(first).sigma_ns, doubt(last).sigma_ns); }
 
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges) {
   AgentClock clock;
-  const ExchangeSegments split = split_exchanges(exchanges);
+  const std::vector<ClockExchange> sound = forwards_by_time(exchanges);
   clock.exchanges = exchanges.size();
-  clock.exchanges_backwards = split.backwards;
-  clock.exchanges_contradicting = split.contradicting;
-  const KnownDrift known = split.segments.size() > 1 ? drift_of_longest(split.segments) : KnownDrift{};
-  for (const std::vector<ClockExchange>& part : split.segments) {
-    FittedSegment fitted = fit_segment(part, known);
-    clock.exchanges_used += fitted.used;
-    clock.segments.push_back(std::move(fitted.segment));
-  }
+  clock.exchanges_backwards = exchanges.size() - sound.size();
+  if (sound.empty()) return clock;
+  const std::vector<ClockExchange> used = least_delayed(sound);
+  clock.exchanges_used = used.size();
+  clock.first = {sound.front().t2_ns};
+  clock.last = {sound.back().t3_ns};
+  // a slope from a short burst would be carried far beyond it
+  clock.has_drift = midpoint_ns(used.back()) - midpoint_ns(used.front()) >= kMinDriftSpan_ns;
+  const OffsetLine line = fit_line(used, clock.has_drift);
+  const ClockMap<AgentTag, HostClock> agent_from_host{
+      {line.origin_ns}, {line.origin_ns + line.base_ns + std::llround(line.intercept_ns)}, line.slope};
+  clock.line = agent_from_host.inverse();
+  // unlike delays of both ways move the midpoint of an exchange by half of its delay at most
+  for (const ClockExchange& e : used)
+    clock.bound_ns =
+        std::max<std::int64_t>(clock.bound_ns, delay_ns(e) / 2 + std::llround(std::abs(line.residual_ns(e))));
+  std::int64_t usual_delay_ns = 0;
+  for (const ClockExchange& e : used) usual_delay_ns = std::max(usual_delay_ns, delay_ns(e));
+  const std::vector<Window> windows = windows_of(sound, line, usual_delay_ns);
+  state_sigma(clock, line, used, windows);
+  find_bend(clock, windows);
   return clock;
 }
 

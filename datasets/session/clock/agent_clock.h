@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "datasets/base/time.h"
 #include "datasets/session/session_types.h"
@@ -21,47 +20,33 @@ struct OffsetDoubt {
   Duration outside;           // to the first or last exchange
 };
 
-// The spread of one fitted stretch of a clock; beyond its exchanges another ppm is added for warming.
-struct OffsetSpread {
-  AgentTime rest_from, rest_to;  // between these `sigma_ns` holds
-  double sigma_ns = 0.0;
-  double drift_sigma = 0.0;  // adds with the distance from there
-};
-
-// One setting of an agent's clock, from its first exchange to its last: the clock runs on, at a rate of its
-// own that may wander.
-struct AgentSegment {
-  AgentTime first, last;
-  ClockMap<HostClock, AgentTag> line;
-  PiecewiseClock<HostClock, AgentTag> host_from_agent;
-  bool has_drift = false;  // long enough to tell it
-  OffsetSpread spread;
-  std::int64_t offset_sigma_ns = 0;  // the largest from `first` to `last`
-  // Of the exchanges of least delay the worst: half its delay, and how far the clock is from its midpoint.
-  std::int64_t offset_bound_ns = 0;
-
-  OffsetDoubt doubt(AgentTime t) const;
-};
-
-// How the clock of the machine that stamps arrivals relates to the recording's host clock. Without exchanges
-// the two are the same, and there are no segments.
+// The clock of the machine that stamps arrivals against the recording's host clock, as a straight line.
+// Without exchanges both read the same.
 struct AgentClock {
-  std::vector<AgentSegment> segments;  // in the order of the recording
+  ClockMap<HostClock, AgentTag> line;
+  AgentTime first, last;   // of the exchanges
+  bool has_drift = false;  // they last long enough to tell it
   std::size_t exchanges = 0;
-  std::size_t exchanges_used = 0;           // of least delay
-  std::size_t exchanges_backwards = 0;      // left out
-  std::size_t exchanges_contradicting = 0;  // left out
+  std::size_t exchanges_used = 0;       // of least delay
+  std::size_t exchanges_backwards = 0;  // left out
 
-  // By the segment that holds `t`, or lies nearest.
-  HostTime operator()(AgentTime t) const;
-  // Of that segment; nothing where there is none.
+  // Standard deviations: of the clock about its line, of the line at its middle, of its drift.
+  double wander_sigma_ns = 0.0, middle_sigma_ns = 0.0, drift_sigma = 0.0;
+  std::int64_t bound_ns = 0;  // half the delay of the exchanges used and their distance from the line
+  // Largest distance of some ten seconds from the line that their noise does not explain, and where.
+  Duration bend;
+  Duration bend_after;  // since `first`
+
+  HostTime operator()(AgentTime t) const { return line(t); }
   OffsetDoubt doubt(AgentTime t) const;
+  // The largest from the first to the last exchange.
+  std::int64_t sigma_ns() const;
 };
 
-// From four-stamp exchanges: per segment a straight line through the exchanges of least delay (Theil and
-// Sen's median slope; no drift of its own when they span less than 10 s), or, where that leaves more than 0.3
-// ms in the medians of two neighbouring 10 s, straight pieces through those medians. A constant difference
-// between the delays of both ways moves the clock by half of it, which no exchange can show.
+// From four-stamp exchanges: Theil and Sen's line through the quarter of least delay, those that queueing
+// disturbed least; no drift of its own when they span less than 10 s. Its uncertainty is that of medians of
+// 10 s each about the line. A constant difference between the delays of both ways moves the clock by half of
+// it, which no exchange can show.
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges);
 
 }  // namespace trilat

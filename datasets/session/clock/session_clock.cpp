@@ -8,64 +8,186 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/clock/tick_epochs.h"
 
 namespace trilat {
 namespace {
 
+using SensorLine = ClockMap<HostClock, SensorClock>;
+
 constexpr double kMaxDrift = 1e-3;
-constexpr double kMaxPieceDrift = 1e-1;                  // of some seconds, jitter included
-constexpr std::int64_t kMostNs = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
-constexpr double kPpm = 1e6;
+constexpr std::int64_t kDriftDivisor = 1000;                 // the same, of the time between two frames
+constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
+constexpr Duration kMaxAgentBend{20'000'000};
+constexpr Duration kMaxStep{100'000'000};     // of lateness from one frame to the next
+constexpr Duration kMinEpoch{2'000'000'000};  // shorter ones may be frames that came late together
+constexpr Duration kMinDriftCheck{5'000'000'000}, kMinDriftSpan{10'000'000'000};
+constexpr Duration kWindow{10'000'000'000};
+constexpr std::size_t kMinWindowFrames = 30;
 constexpr std::uint64_t kBlock = 4096;
 
 void check_time(std::int64_t ns, const std::string& place) {
-  if (ns > kMostNs || ns < -kMostNs)
+  if (ns > kMaxTime_ns || ns < -kMaxTime_ns)
     throw InputError(place, "hold a time beyond 18 years, which no clock shows");
 }
 
 AgentClock checked_agent_clock(std::span<const ClockExchange> exchanges, const std::string& place) {
   for (const ClockExchange& e : exchanges)
-    for (std::int64_t ns : {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns}) check_time(ns, place);
+    for (const std::int64_t ns : {e.t1_ns, e.t2_ns, e.t3_ns, e.t4_ns}) check_time(ns, place);
   AgentClock agent = fit_agent_clock(exchanges);
-  const auto refuse = [&](double drift) {
+  if (std::abs(agent.line.drift) > kMaxDrift)
     throw InputError(place, fmt::format("give a drift of {:.0f} ppm between two machines, which no clock has",
-                                        drift * kPpm));
-  };
-  for (const AgentSegment& segment : agent.segments) {
-    if (std::abs(segment.line.drift) > kMaxDrift) refuse(segment.line.drift);
-    for (const auto& piece : segment.host_from_agent.pieces)
-      if (std::abs(piece.map.drift) > kMaxPieceDrift) refuse(piece.map.drift);
-  }
+                                        1e6 * agent.line.drift));
+  if (agent.bend > kMaxAgentBend)
+    throw InputError(
+        place, fmt::format("leave a straight line by {:.0f} ms {:.0f} s after the first: the clock of the "
+                           "sensor's computer was set while recording, so its frames cannot be placed",
+                           1e3 * agent.bend.seconds(), agent.bend_after.seconds()));
   return agent;
 }
 
-const ClockMap<HostClock, SensorClock>& checked(const ClockMap<HostClock, SensorClock>& line,
-                                                const std::string& place) {
+// One frame's stamps: on the sensor's clock, and its arrival on the host clock.
+struct ArrivalStamp {
+  SensorTime device;
+  HostTime arrival;
+
+  Duration lateness() const { return {arrival.ns - device.ns}; }
+};
+
+// Lower convex hull of (device, arrival); frames that do not rise on the sensor's clock are left out.
+class ArrivalEnvelope {
+ public:
+  void add(const ArrivalStamp& stamp) {
+    if (!hull_.empty() && stamp.device <= hull_.back().device) return;
+    // slopes near one: compare arrival - device, which keeps the digits
+    const auto turns_up = [](const ArrivalStamp& a, const ArrivalStamp& b, const ArrivalStamp& c) {
+      const double ab = static_cast<double>((b.device - a.device).ns);
+      const double ac = static_cast<double>((c.device - a.device).ns);
+      const double lag_b = static_cast<double>((b.lateness() - a.lateness()).ns);
+      const double lag_c = static_cast<double>((c.lateness() - a.lateness()).ns);
+      return lag_b * ac < lag_c * ab;
+    };
+    while (hull_.size() >= 2 && !turns_up(hull_[hull_.size() - 2], hull_.back(), stamp)) hull_.pop_back();
+    hull_.push_back(stamp);
+  }
+  // The segment under the middle; one stamp gives drift 0.
+  SensorLine line() const {
+    TRILAT_CHECK(!hull_.empty(), "an envelope has points");
+    if (hull_.size() == 1) return {hull_[0].device, hull_[0].arrival, 0.0};
+    const SensorTime middle{hull_.front().device.ns + (hull_.back().device - hull_.front().device).ns / 2};
+    std::size_t right = 1;
+    while (right + 1 < hull_.size() && hull_[right].device < middle) ++right;
+    const ArrivalStamp& a = hull_[right - 1];
+    const ArrivalStamp& b = hull_[right];
+    const double lag_ns = static_cast<double>((b.lateness() - a.lateness()).ns);
+    return {a.device, a.arrival, lag_ns / static_cast<double>((b.device - a.device).ns)};
+  }
+  // The line of this drift that no frame lies under.
+  SensorLine line_of(double drift) const {
+    const SensorLine through_first{hull_.front().device, hull_.front().arrival, drift};
+    const ArrivalStamp& least = *std::ranges::min_element(hull_, {}, [&](const ArrivalStamp& stamp) {
+      return (stamp.arrival - through_first(stamp.device)).ns;
+    });
+    return {least.device, least.arrival, drift};
+  }
+  const ArrivalStamp& front() const { return hull_.front(); }
+  const ArrivalStamp& back() const { return hull_.back(); }
+  void add(const ArrivalEnvelope& more) {
+    for (const ArrivalStamp& stamp : more.hull_) add(stamp);
+  }
+
+ private:
+  std::vector<ArrivalStamp> hull_;
+};
+
+// Frames between two restarts of a sensor's count of ticks.
+struct TickEpoch {
+  SensorTime first, last;
+  std::uint64_t frames = 0;
+  ArrivalEnvelope envelope;
+
+  Duration span() const { return last - first; }
+  void add(const ArrivalStamp& stamp) {
+    if (frames == 0) first = last = stamp.device;
+    last = std::max(last, stamp.device);
+    ++frames;
+    envelope.add(stamp);
+  }
+  void add(const TickEpoch& more) {
+    last = std::max(last, more.last);
+    frames += more.frames;
+    envelope.add(more.envelope);
+  }
+};
+
+// Whether ticks and arrivals go on from `a` to `b` as one clock.
+bool goes_on(const ArrivalStamp& a, const ArrivalStamp& b) {
+  const std::int64_t gap_ns =
+      std::min(std::abs((b.device - a.device).ns), std::abs((b.arrival - a.arrival).ns));
+  return std::abs((b.lateness() - a.lateness()).ns) <= kMaxStep.ns + gap_ns / kDriftDivisor;
+}
+
+// Parts a sensor's frames, in the order of the recording, where ticks and arrivals no longer go together.
+class TickEpochs {
+ public:
+  void add(const ArrivalStamp& stamp) {
+    if (runs_.empty() || !goes_on(before_, stamp)) runs_.emplace_back();
+    runs_.back().add(stamp);
+    before_ = stamp;
+  }
+  // Without frames that came late together for less than 2 s.
+  std::vector<TickEpoch> finish() const {
+    std::vector<TickEpoch> kept;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      const TickEpoch& run = runs_[i];
+      const bool is_behind = !kept.empty() && run.first > kept.back().last;
+      const bool is_before = i + 1 < runs_.size() && run.last < runs_[i + 1].first;
+      if (run.span() < kMinEpoch &&
+          ((is_behind && is_later(run.envelope.front(), kept.back().envelope.back())) ||
+           (is_before && is_later(run.envelope.back(), runs_[i + 1].envelope.front()))))
+        continue;
+      if (is_behind && goes_on(kept.back().envelope.back(), run.envelope.front()))
+        kept.back().add(run);
+      else
+        kept.push_back(run);
+    }
+    return kept;
+  }
+
+ private:
+  static bool is_later(const ArrivalStamp& a, const ArrivalStamp& b) {
+    const Duration more = a.lateness() - b.lateness();
+    return more > Duration{} && more < kMinEpoch;
+  }
+
+  std::vector<TickEpoch> runs_;
+  ArrivalStamp before_;
+};
+
+bool has_odd_drift(const TickEpoch& epoch) {
+  return std::abs(epoch.envelope.line().drift) > kMaxDrift && epoch.span() < kMinDriftCheck;
+}
+
+// In less than 5 s jitter of the arrivals looks like drift.
+SensorLine line_of(const TickEpoch& epoch, const std::string& place) {
+  if (has_odd_drift(epoch)) return epoch.envelope.line_of(0.0);
+  const SensorLine line = epoch.envelope.line();
   if (std::abs(line.drift) > kMaxDrift)
     throw InputError(place, fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check "
                                         "tick_ns and arrival_ns, and whether the computer kept up",
-                                        line.drift * kPpm));
+                                        1e6 * line.drift));
   return line;
 }
 
-SensorEpoch fit_epoch(const TickEpoch& ticks, const ClockMap<HostClock, SensorClock>& line) {
-  return {ticks.first, ticks.last, ticks.frames, line.drift, envelope_pieces(ticks, line)};
-}
-
-const TickEpoch& longest_of(const std::vector<TickEpoch>& ticks) {
-  return *std::ranges::max_element(
-      ticks, [](const auto& a, const auto& b) { return a.last - a.first < b.last - b.first; });
-}
-
 // A sensor keeps its crystal when it is restarted: short epochs take the longest one's drift.
-std::vector<SensorEpoch> fit_epochs(const std::vector<TickEpoch>& ticks, const std::string& place) {
-  const TickEpoch& longest = longest_of(ticks);
-  const ClockMap<HostClock, SensorClock> line = checked(envelope_line(longest), place);
+std::vector<SensorEpoch> fit_epochs(const std::vector<TickEpoch>& ticks, const TickEpoch& longest,
+                                    const std::string& place) {
+  const SensorLine line = line_of(longest, place);
   std::vector<SensorEpoch> epochs;
   for (const TickEpoch& epoch : ticks)
-    epochs.push_back(
-        fit_epoch(epoch, &epoch == &longest ? line : checked(envelope_line(epoch, line.drift), place)));
+    epochs.push_back({epoch.first, epoch.last, epoch.frames,
+                      &epoch == &longest              ? line
+                      : epoch.span() >= kMinDriftSpan ? line_of(epoch, place)
+                                                      : epoch.envelope.line_of(line.drift)});
   return epochs;
 }
 
@@ -73,30 +195,32 @@ std::int64_t outside_ns(const SensorEpoch& epoch, SensorTime t) {
   return std::max({std::int64_t{0}, (epoch.first - t).ns, (t - epoch.last).ns});
 }
 
-// How far the arrival lies from where the epoch would have it.
-std::int64_t arrival_distance_ns(const AgentClock& agent, AgentTime arrival, HostTime expected) {
-  if (agent.segments.empty()) return std::abs(arrival.ns - expected.ns);
-  std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
-  for (const AgentSegment& segment : agent.segments)
-    least_ns = std::min(least_ns, std::abs((segment.host_from_agent(arrival) - expected).ns));
-  return least_ns;
+// The largest lateness that all frames of some ten seconds have.
+void find_bend(StampEvidence& evidence, const std::vector<FrameStamp>& stamps,
+               const std::vector<Duration>& lateness) {
+  for (std::size_t first = 0, end = 0; first < stamps.size(); first = end) {
+    while (end < stamps.size() && stamps[end].arrival_ns - stamps[first].arrival_ns < kWindow.ns) ++end;
+    end = std::max(end, first + 1);
+    if (end - first < kMinWindowFrames) continue;
+    const Duration least = *std::min_element(lateness.begin() + static_cast<std::ptrdiff_t>(first),
+                                             lateness.begin() + static_cast<std::ptrdiff_t>(end));
+    if (least <= evidence.bend) continue;
+    evidence.bend = least;
+    evidence.bend_after = {stamps[first].arrival_ns - stamps[0].arrival_ns};
+  }
 }
 
-struct PlacedStamp {
-  FrameStamp stamp;
-  HostTime arrival;
-};
-
-StampEvidence evidence_of_stamps(const SensorClockMap& map, const std::vector<PlacedStamp>& placed) {
+StampEvidence evidence_of(const SensorClockMap& map, const std::vector<FrameStamp>& stamps) {
   StampEvidence evidence;
   std::vector<Duration> lateness;
-  for (const auto& [stamp, arrival] : placed) {
+  for (const FrameStamp& stamp : stamps) {
     const OffsetDoubt doubt = map.agent.doubt({stamp.arrival_ns});
     evidence.doubt = {std::max(evidence.doubt.sigma_ns, doubt.sigma_ns),
                       std::max(evidence.doubt.bound_ns, doubt.bound_ns),
                       std::max(evidence.doubt.outside, doubt.outside)};
-    lateness.push_back(arrival - (map(stamp) + map.latency));
+    lateness.push_back(map.agent({stamp.arrival_ns}) - (map(stamp) + map.latency));
   }
+  find_bend(evidence, stamps, lateness);
   const auto quantile = [&](std::size_t percent) {
     const auto at = lateness.begin() + static_cast<std::ptrdiff_t>((lateness.size() - 1) * percent / 100);
     std::nth_element(lateness.begin(), at, lateness.end());
@@ -119,9 +243,9 @@ HostTime SensorClockMap::operator()(const FrameStamp& stamp) const {
   HostTime best;
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
   for (const SensorEpoch& epoch : epochs) {
-    const HostTime host = epoch.host_from_sensor(device);
+    const HostTime host = epoch.line(device);
     const std::int64_t distance_ns =
-        outside_ns(epoch, device) + arrival_distance_ns(agent, {stamp.arrival_ns}, host);
+        outside_ns(epoch, device) + std::abs((agent({stamp.arrival_ns}) - host).ns);
     if (distance_ns >= least_ns) continue;
     least_ns = distance_ns;
     best = host - latency;
@@ -131,9 +255,8 @@ HostTime SensorClockMap::operator()(const FrameStamp& stamp) const {
 
 HostTime SensorClockMap::operator()(SensorTime t) const {
   if (epochs.empty()) return {t.ns};
-  return std::ranges::min_element(
-             epochs, [&](const auto& a, const auto& b) { return outside_ns(a, t) < outside_ns(b, t); })
-             ->host_from_sensor(t) -
+  return std::ranges::min_element(epochs, {}, [&](const SensorEpoch& e) { return outside_ns(e, t); })
+             ->line(t) -
          latency;
 }
 
@@ -143,21 +266,20 @@ SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp
   map.tick_ns = sensor.tick_ns;
   map.latency = {sensor.latency_ns};
   map.agent = checked_agent_clock(exchanges, place + "/clock_exchanges_ns");
-  HostArrivals arrivals(map.agent);
-  TickEpochs ticks(sensor.tick_ns);
-  std::vector<PlacedStamp> placed;
+  TickEpochs ticks;
+  std::vector<FrameStamp> stamps;
   each_stamp([&](const FrameStamp& stamp) {
     check_time(stamp.arrival_ns, place);
-    if (std::abs(stamp.device_ticks) > kMostNs / sensor.tick_ns) check_time(kMostNs + 1, place);
-    const HostArrival arrival = arrivals.place(device_time(sensor, stamp), {stamp.arrival_ns});
-    ticks.add(stamp.device_ticks, arrival.time, arrival.certain);
-    placed.push_back({stamp, arrival.time});
+    if (std::abs(stamp.device_ticks) > kMaxTime_ns / sensor.tick_ns) check_time(kMaxTime_ns + 1, place);
+    ticks.add({device_time(sensor, stamp), map.agent({stamp.arrival_ns})});
+    stamps.push_back(stamp);
   });
   const std::vector<TickEpoch> epochs = ticks.finish();
   if (epochs.empty()) throw InputError(place, "has no frames, so its clock cannot be placed");
-  map.epochs = fit_epochs(epochs, place);
-  map.stamps = evidence_of_stamps(map, placed);
-  map.stamps.drift_left_out = drift_left_out(longest_of(epochs));
+  const TickEpoch& longest = *std::ranges::max_element(epochs, {}, &TickEpoch::span);
+  map.epochs = fit_epochs(epochs, longest, place);
+  map.stamps = evidence_of(map, stamps);
+  if (has_odd_drift(longest)) map.stamps.drift_left_out = longest.envelope.line().drift;
   return map;
 }
 
@@ -173,35 +295,6 @@ SensorClockMap fit_sensor_clock(const SessionReader& session, std::size_t sensor
   };
   return fit_sensor_clock(description, each_stamp, session.clock_exchanges(sensor),
                           session.path().string() + ":/sensors/" + description.name);
-}
-
-ClockEvidence evidence_of(const SensorClockMap& map) {
-  ClockEvidence evidence;
-  std::uint64_t most_frames = 0;
-  for (const SensorEpoch& epoch : map.epochs) {
-    ++evidence.sensor_epochs;
-    evidence.sensor_pieces += epoch.host_from_sensor.pieces.size();
-    if (epoch.frames > most_frames) evidence.sensor_drift_ppm = epoch.drift * kPpm;
-    most_frames = std::max(most_frames, epoch.frames);
-  }
-  Duration longest;
-  for (const AgentSegment& segment : map.agent.segments) {
-    ++evidence.agent_segments;
-    evidence.agent_pieces += segment.host_from_agent.pieces.size();
-    if (segment.last - segment.first >= longest) evidence.agent_drift_ppm = segment.line.drift * kPpm;
-    longest = std::max(longest, segment.last - segment.first);
-  }
-  evidence.offset_sigma_ns = map.stamps.doubt.sigma_ns;
-  evidence.offset_bound_ns = map.stamps.doubt.bound_ns;
-  evidence.outside_exchanges_s = map.stamps.doubt.outside.seconds();
-  evidence.lateness_median_s = map.stamps.lateness_median.seconds();
-  evidence.lateness_p99_s = map.stamps.lateness_p99.seconds();
-  evidence.drift_left_out_ppm = map.stamps.drift_left_out * kPpm;
-  evidence.exchanges = map.agent.exchanges;
-  evidence.exchanges_used = map.agent.exchanges_used;
-  evidence.exchanges_backwards = map.agent.exchanges_backwards;
-  evidence.exchanges_contradicting = map.agent.exchanges_contradicting;
-  return evidence;
 }
 
 }  // namespace trilat
