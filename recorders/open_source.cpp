@@ -106,10 +106,12 @@ std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
     };
     depth = SyntheticDepth{scene, setup.simulation.depth.noise, {}};
   }
-  return std::make_unique<LiveSource>(
+  auto source =
       std::make_unique<SyntheticSource>(setup.simulation.sensor, setup.item, setup.motion, setup.sensors,
-                                        request.duration_s, default_body_tracker(), std::move(depth)),
-      request.live);
+                                        request.duration_s, default_body_tracker(), std::move(depth));
+  constexpr std::size_t kEventsAhead = 64;  // 14 MB of depth, a quarter of a second of four sensors
+  return std::make_unique<LiveSource>(std::make_unique<PrefetchSource>(std::move(source), kEventsAhead),
+                                      request.live);
 }
 
 }  // namespace
@@ -153,6 +155,56 @@ std::unique_ptr<FrameSource> open_source(const std::string& text, const std::str
 std::string source_help() {
   return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,speed=FACTOR or "
          ",speed=max)";
+}
+
+PrefetchSource::PrefetchSource(std::unique_ptr<FrameSource> inner, std::size_t events_ahead)
+    : inner_(std::move(inner)), events_ahead_(events_ahead), thread_([this] { fetch(); }) {}
+
+PrefetchSource::~PrefetchSource() {
+  stop();
+  thread_.join();
+}
+
+void PrefetchSource::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  inner_->stop();
+  changed_.notify_all();
+}
+
+void PrefetchSource::fetch() {
+  std::exception_ptr failure;
+  try {
+    while (auto event = inner_->next()) {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return stopped_ || events_.size() < events_ahead_; });
+      if (stopped_) break;
+      events_.push_back(std::move(*event));
+      changed_.notify_all();
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  const std::lock_guard lock(mutex_);
+  failure_ = failure;
+  ended_ = true;
+  changed_.notify_all();
+}
+
+std::optional<SourceEvent> PrefetchSource::next() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return stopped_ || ended_ || !events_.empty(); });
+  if (stopped_) return std::nullopt;
+  if (events_.empty()) {
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    return std::nullopt;
+  }
+  SourceEvent event = std::move(events_.front());
+  events_.pop_front();
+  changed_.notify_all();
+  return event;
 }
 
 }  // namespace trilat

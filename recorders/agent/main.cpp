@@ -2,6 +2,7 @@
 // trilat-agent, on Linux and Windows.
 #include <atomic>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "datasets/session/host_clock.h"
 #include "recorders/agent/run_agent.h"
 #include "recorders/kinect_sdk/kinect_source.h"
 #include "recorders/test_source.h"
@@ -63,6 +65,7 @@ std::unique_ptr<FrameSource> source_of(const std::string& text) {
 
 struct Arguments {
   std::string name, source, recorder, via, remote_program = "trilat", folder = ".";
+  double duration_s = 0.0;  // 0: until it is stopped
 };
 
 // USER@HOST by SSH, HOST:PORT on this machine, or any program's standard input and output.
@@ -113,11 +116,13 @@ int run(const Arguments& a) {
   options.name = a.name;
   options.folder = a.folder;
   options.connect = connect_of(a);
-  options.stop_requested = [] { return stop_signals > 0; };
+  std::int64_t end_ns = 0;  // not before the source is there, which may take seconds to wake up
+  options.stop_requested = [&] { return stop_signals > 0 || (end_ns != 0 && host_now_ns() >= end_ns); };
   options.on_news = say;
   std::vector<std::unique_ptr<FrameSource>> source;
   source.push_back(source_of(a.source));
   handle_signals();
+  if (a.duration_s > 0.0) end_ns = host_now_ns() + std::llround(1e9 * a.duration_s);
   AgentReport report = run_agent(source, options);
   if (!options.connect && report.was_recorded) {  // alone, its log is what was wanted
     for (const LeftLog& log : report.left) say("recorded into " + log.path.string());
@@ -158,6 +163,8 @@ int agent_main(int argc, char** argv) {
       ->capture_default_str();
   verb->add_option("--folder", a.folder, "of this agent's log, until the recorder has all of it")
       ->capture_default_str();
+  verb->add_option("--duration-s", a.duration_s, "ends by itself after so many seconds")
+      ->check(CLI::Range(0.1, 1e6));
   std::vector<std::string> gone;
   for (const char* option : {"--keys", "--plain-text", "--buffer-mb"})
     verb->add_option_function<std::vector<std::string>>(
