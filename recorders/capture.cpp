@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/session/write_session.h"
 
@@ -226,6 +227,13 @@ bool CaptureSummary::lost_frames() const {
 }
 
 std::filesystem::path log_name(const std::filesystem::path& path) { return path.string() + ".trilog"; }
+
+std::filesystem::path found_session(const std::filesystem::path& path) {
+  if (std::filesystem::exists(path)) return path;
+  for (const std::filesystem::path& other : {log_name(path), partial_name(path)})
+    if (std::filesystem::exists(other)) return other;
+  return path;
+}
 
 std::vector<std::filesystem::path> logs_beside(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> logs;

@@ -59,6 +59,10 @@ std::filesystem::path log_name(const std::filesystem::path& path);
 // agents.
 std::vector<std::filesystem::path> logs_beside(const std::filesystem::path& path);
 
+// The file under its name; where there is none, the log of a recording that runs or was killed, or the
+// unfinished session of a recorder of version 0.4.0.
+std::filesystem::path found_session(const std::filesystem::path& path);
+
 // Records all sources and agents into logs beside `path` until they end or something stops them, makes the
 // session of these, reads it back, and removes them. With agents, the recording that a killed recorder left
 // there goes on. InputError when logs exist otherwise, two sensors have one name, or agents do not come;

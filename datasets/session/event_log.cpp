@@ -291,6 +291,12 @@ LogSummary read_event_log(const std::filesystem::path& path, const TakeEvent& ta
   return scanner.finish();
 }
 
+bool is_event_log(const std::filesystem::path& path) {
+  std::string begin(6, '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == "TRILOG";
+}
+
 LogHead head_of_event_log(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path.string(), "cannot be read");

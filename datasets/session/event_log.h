@@ -97,6 +97,9 @@ class LogScanner {
 LogSummary read_event_log(const std::filesystem::path& path, const TakeEvent& take,
                           const std::function<bool(double)>& progress = {});
 
+// By its first bytes.
+bool is_event_log(const std::filesystem::path& path);
+
 // The first record of a log. InputError as in read_event_log().
 LogHead head_of_event_log(const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `trilat info`, `trilat verify` and `trilat recover`.
+// `trilat info` and `trilat verify`.
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -15,10 +15,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/session/session_recover.h"
 #include "datasets/session/session_verify.h"
-#include "datasets/session/write_session.h"
-#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/inspect_mocap.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -26,13 +23,6 @@
 
 namespace trilat {
 namespace {
-
-struct RecoverArguments {
-  std::vector<std::filesystem::path> left;  // by recorders: logs, or one unfinished session
-  std::filesystem::path output;
-  bool force = false;  // may replace what others wrote
-  bool json = false;
-};
 
 struct VerifyArguments {
   std::filesystem::path session;
@@ -122,21 +112,6 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
   return json;
 }
 
-// The file under its name; where there is none, the log of a recording that runs or was killed, or the
-// unfinished session of a recorder of version 0.4.0.
-std::filesystem::path found_session(const std::filesystem::path& path) {
-  if (std::filesystem::exists(path)) return path;
-  for (const std::filesystem::path& other : {log_name(path), partial_name(path)})
-    if (std::filesystem::exists(other)) return other;
-  return path;
-}
-
-bool is_log(const std::filesystem::path& path) {
-  std::string begin(6, '\0');
-  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return begin == "TRILOG";
-}
-
 // By its name, or by what every HDF5 file begins with.
 bool may_be_session(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path) || path.extension() == ".h5" || path.extension() == ".partial")
@@ -195,7 +170,7 @@ int info_of_log(const std::filesystem::path& path, bool json) {
 }
 
 int info(const InfoArguments& arguments) {
-  if (const auto found = found_session(arguments.file); is_log(found))
+  if (const auto found = found_session(arguments.file); is_event_log(found))
     return info_of_log(found, arguments.json);
   if (!may_be_session(arguments.file)) return info_of_mocap(arguments.file, arguments.json);
   const SessionReader session(found_session(arguments.file));
@@ -238,7 +213,7 @@ std::string kind_of(const Finding& finding) {
 }
 
 int verify(const VerifyArguments& arguments) {
-  if (const auto log = found_session(arguments.session); is_log(log))
+  if (const auto log = found_session(arguments.session); is_event_log(log))
     throw InputError(log.string(),
                      "is the log of a recording that did not become a session yet; `trilat recover " +
                          log.string() + "` makes one");
@@ -281,185 +256,13 @@ int verify(const VerifyArguments& arguments) {
   return errors == 0 ? kDone : kItemsFailed;
 }
 
-// Default path of the saved session: the name without .partial or .trilog, where there is one.
-std::filesystem::path default_output(const std::filesystem::path& left) {
-  if (left.extension() == ".partial" || left.extension() == ".trilog")
-    return left.parent_path() / left.stem();
-  return left.string() + ".recovered.h5";
-}
-
-// A recording that was finished, but for its name.
-int give_its_name(const std::filesystem::path& damaged, const std::filesystem::path& output, bool json) {
-  const bool unnamed = damaged.extension() == ".partial";
-  if (unnamed) publish_file(damaged, output);
-  const std::filesystem::path session = unnamed ? output : damaged;
-  if (json)
-    fmt::print("{}\n", json_text(Json{{"session", session.string()}, {"complete", true}}, 2));
-  else if (unnamed)
-    fmt::print("{} was finished, but for its name: it is now {}\n", damaged.string(), session.string());
-  else
-    fmt::print("{} is complete; there is nothing to recover\n", session.string());
-  return kDone;
-}
-
-std::uint64_t lost_rows(const SensorRecovery& r) {
-  return r.damaged_body_frames + r.damaged_depth_frames + r.damaged_exchanges + r.damaged_lists;
-}
-
-void print_recovery(const std::vector<SensorRecovery>& recoveries, const std::filesystem::path& output,
-                    const std::filesystem::path& damaged) {
-  fmt::print("{}: everything that had been flushed of {}\n", output.string(), damaged.string());
-  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>14} {:>9}\n", "sensor", "body frames", "depth frames",
-             "exchanges", "behind flush", "damaged");
-  for (const SensorRecovery& r : recoveries)
-    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>14} {:>9}\n", r.name, r.saved.body_frames,
-               r.saved.depth_frames, r.saved.clock_exchanges, r.torn_rows, lost_rows(r));
-  fmt::print(
-      "What was recorded after the last flush, at most a second, is lost. {} is as it was; remove it when "
-      "you have looked at what was saved\n",
-      damaged.string());
-}
-
-Json json_of(const std::vector<SensorRecovery>& recoveries, const std::filesystem::path& output,
-             const std::filesystem::path& damaged) {
-  Json sensors = Json::array();
-  for (const SensorRecovery& r : recoveries)
-    sensors.push_back({{"name", r.name},
-                       {"body_frames", r.saved.body_frames},
-                       {"depth_frames", r.saved.depth_frames},
-                       {"clock_exchanges", r.saved.clock_exchanges},
-                       {"torn_rows", r.torn_rows},
-                       {"damaged_body_frames", r.damaged_body_frames},
-                       {"damaged_depth_frames", r.damaged_depth_frames},
-                       {"damaged_exchanges", r.damaged_exchanges},
-                       {"damaged_lists", r.damaged_lists}});
-  return {
-      {"session", output.string()}, {"from", damaged.string()}, {"complete", false}, {"sensors", sensors}};
-}
-
-// A session of version 0.4.0 or older whose recorder was killed.
-int recover_session_file(const std::filesystem::path& damaged, const RecoverArguments& arguments) {
-  const std::filesystem::path output = arguments.output.empty() ? default_output(damaged) : arguments.output;
-  const bool complete = SessionReader(damaged).complete();
-  if (!complete || damaged.extension() == ".partial")
-    check_output_file({output, {damaged}, arguments.force, ".recovered.partial"});
-  if (complete) return give_its_name(damaged, output, arguments.json);
-  std::vector<SensorRecovery> recoveries;
-  {
-    Progress progress("recovering " + damaged.filename().string());
-    recoveries = recover_session(damaged, output, [&](double share) {
-      progress.set(share);
-      return !stop_requested();
-    });
-  }
-  if (arguments.json)
-    fmt::print("{}\n", json_text(json_of(recoveries, output, damaged), 2));
-  else
-    print_recovery(recoveries, output, damaged);
-  if (std::ranges::none_of(recoveries, [](const auto& r) { return lost_rows(r) > 0; })) return kDone;
-  fmt::print(stderr, "failed: {} has rows that are damaged or cannot be read; they were left out\n",
-             damaged.string());
-  return kItemsFailed;
-}
-
-std::uint64_t damaged_bytes(const LogsWritten& written) {
-  std::uint64_t bytes = 0;
-  for (const LogSummary& log : written.logs)
-    for (const LogGap& gap : log.gaps) bytes += gap.bytes;
-  return bytes;
-}
-
-void print_recovery(const LogsWritten& written, const std::vector<std::filesystem::path>& logs,
-                    const std::filesystem::path& output) {
-  fmt::print("{:<10} {:>12} {:>13} {:>10} {:>15} {:>14} {:>9}\n", "sensor", "body frames", "depth frames",
-             "exchanges", "lost at source", "lost in queue", "left out");
-  for (const SensorWritten& s : written.sensors)
-    fmt::print("{:<10} {:>12} {:>13} {:>10} {:>15} {:>14} {:>9}\n", s.name, s.body_frames, s.depth_frames,
-               s.clock_exchanges, s.drops.at_source, s.drops.in_queue, s.left_out);
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    const LogSummary& log = written.logs[i];
-    if (log.gap_count > 0)
-      fmt::print("{}: damaged at {} places, the first behind byte {}; what they held is left out\n",
-                 logs[i].string(), log.gap_count, log.gaps.front().offset);
-    if (!log.finished)
-      fmt::print("{}: was not ended by its recorder; at most its last second is lost\n", logs[i].string());
-  }
-  fmt::print("{}: all that is whole of {} log{}, which may be removed now\n", output.string(), logs.size(),
-             logs.size() == 1 ? "" : "s");
-}
-
-Json json_of(const LogsWritten& written, const std::vector<std::filesystem::path>& logs,
-             const std::filesystem::path& output) {
-  Json sensors = Json::array(), from = Json::array();
-  for (const SensorWritten& s : written.sensors)
-    sensors.push_back({{"name", s.name},
-                       {"body_frames", s.body_frames},
-                       {"depth_frames", s.depth_frames},
-                       {"clock_exchanges", s.clock_exchanges},
-                       {"lost_at_source", s.drops.at_source},
-                       {"lost_in_queue", s.drops.in_queue},
-                       {"left_out", s.left_out}});
-  for (std::size_t i = 0; i < logs.size(); ++i)
-    from.push_back({{"log", logs[i].string()},
-                    {"finished", written.logs[i].finished},
-                    {"damaged_places", written.logs[i].gap_count}});
-  return {{"session", output.string()},
-          {"from", from},
-          {"damaged_bytes", damaged_bytes(written)},
-          {"sensors", sensors}};
-}
-
-int recover_logs(const std::vector<std::filesystem::path>& logs, const RecoverArguments& arguments) {
-  const std::filesystem::path output =
-      arguments.output.empty() ? default_output(logs.front()) : arguments.output;
-  check_output_file({output, logs, arguments.force});
-  LogsWritten written;
-  {
-    Progress progress("recovering " + output.filename().string());
-    written = write_session({logs.begin(), logs.end()}, output, [&](double share) {
-      progress.set(share);
-      return !stop_requested();
-    });
-  }
-  if (arguments.json)
-    fmt::print("{}\n", json_text(json_of(written, logs, output), 2));
-  else
-    print_recovery(written, logs, output);
-  const bool damaged =
-      damaged_bytes(written) > 0 ||
-      std::ranges::any_of(written.sensors, [](const SensorWritten& s) { return s.left_out > 0; });
-  if (!damaged) return kDone;
-  fmt::print(stderr, "failed: parts of what was recorded are damaged; they were left out\n");
-  return kItemsFailed;
-}
-
-int recover(const RecoverArguments& arguments) {
-  RecoverArguments found = arguments;
-  std::vector<std::filesystem::path> left;
-  for (const std::filesystem::path& path : arguments.left) {
-    const auto logs = std::filesystem::exists(path) ? std::vector{path} : logs_beside(path);
-    if (logs.empty()) {
-      left.push_back(found_session(path));
-    } else {
-      if (found.output.empty() && logs.front() != path) found.output = path;
-      left.insert(left.end(), logs.begin(), logs.end());
-    }
-  }
-  if (std::ranges::all_of(left, is_log)) return recover_logs(left, found);
-  if (left.size() > 1)
-    throw InputError(std::ranges::find_if_not(left, is_log)->string(),
-                     "is not an event log; give event logs only, or one unfinished session alone");
-  return recover_session_file(left.front(), found);
-}
-
 }  // namespace
 
 void add_info(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<InfoArguments>(
       app, code, "info", "what is in a session or in motion capture: sensors or assets, rates, gaps", info,
       Ends::at_once);
-  verb.add_option("file", a.file, "session.h5, or a CSV of Motive, Arena or Tracking Tools, or a TRC")
-      ->required();
+  verb.add_option("file", a.file, "session.h5, or a CSV of Motive, or a TRC")->required();
   add_json(verb, a.json);
 }
 
@@ -468,19 +271,6 @@ void add_verify(CLI::App& app, int& code) {
       app, code, "verify", "read everything in a session and say what is odd", verify, Ends::at_once);
   verb.add_option("session", a.session, "session.h5")->required();
   verb.add_flag("--skip-depth", a.skip_depth, "do not decompress the depth frames");
-  add_json(verb, a.json);
-}
-
-void add_recover(CLI::App& app, int& code) {
-  auto [verb, a] = add_verb<RecoverArguments>(
-      app, code, "recover", "save what a killed recorder left, into a new session", recover);
-  verb.add_option("log", a.left,
-                  "session.h5.trilog, or several that were recorded apart; session.h5 alone stands for its "
-                  "log. Of version "
-                  "0.4.0 session.h5.partial")
-      ->required();
-  verb.add_option("-o,--output", a.output, "the new session; by default the name without .trilog");
-  add_force(verb, a.force);
   add_json(verb, a.json);
 }
 
