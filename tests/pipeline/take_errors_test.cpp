@@ -278,6 +278,10 @@ TEST(TakeErrors, BodiesAreWholeAtInstantsAtWhichAllJointsAreAnswered) {
   EXPECT_NEAR(body(1, 1).mpjpe_m, 0.0, 1e-5);
   EXPECT_EQ(body(0, 1).n, 26u);
   EXPECT_NEAR(body(0, 1).mpjpe_m, 25 * 0.075 + 0.05, 1e-5);
+  for (const BodyRow& row : table.bodies) {  // two joints have no rotation of their own
+    EXPECT_EQ(row.pa_n, 0u);
+    EXPECT_EQ(row.pa_mpjpe_m, 0.0);
+  }
 }
 
 TEST(TakeErrors, OfALeftOutSensorFollowThoseOfTheFirst) {

@@ -187,6 +187,14 @@ class Door(Opened):
         with self.assertRaisesRegex(trilat.InputError, "is there already"):
             trilat.write_session(path, {"k1": self.sensor()})
 
+    def test_joints_out_of_reach_are_not_tracked_and_counted(self):
+        position_m = np.zeros((2, 25, 3))
+        position_m[0, :, 2] = 2.0
+        position_m[0, :5, 2] = [0.39, 0.4, 10.0, 10.01, np.nan]
+        state, beyond = trilat.skeleton.states_within_reach(position_m, np.array([[2] * 25, [0] * 25]))
+        self.assertEqual(state[0].tolist(), [0, 2, 2, 0, 0] + [2] * 20)
+        self.assertEqual((state[1].tolist(), beyond), ([0] * 25, 3))
+
     def test_ticks_of_another_length_than_stated_are_an_error_of_verify_and_run(self):
         for tick_ns, words in ((1_000_000, "0.003 frames a second by device ticks of 1000000 ns.*; with ticks of 100 ns it has 30"),
                                (1, "3000.* frames a second by device ticks of 1 ns")):

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "reports/page/html.h"
 #include "reports/render/latex.h"
 
 namespace trilat {
@@ -115,6 +116,13 @@ TEST(Render, LatexCompilesWhateverANameHolds) {
 TEST(Render, LatexBreaksLongTextsIntoLines) {
   EXPECT_THAT(latex_of(table_with("what needs more than a line of its own")),
               HasSubstr("{longtable}{p{45mm}r}"));
+}
+
+TEST(Html, SentencesMarkCodeAndBoldAndCloseWhatIsOpen) {
+  EXPECT_EQ(html_sentence("a **b** `c < **d**` e"), "a <strong>b</strong> <code>c &lt; **d**</code> e");
+  EXPECT_EQ(html_sentence("`open"), "<code>open</code>");
+  EXPECT_EQ(html_sentence("**open"), "<strong>open</strong>");
+  EXPECT_EQ(html_sentence("2 * 3"), "2 * 3");
 }
 
 TEST(Render, WhatRoundsToNothingHasNoSign) {
