@@ -10,11 +10,17 @@
 Lengths are metres, times seconds or nanoseconds as their names say. Converters of other people's recordings:
 `python3 -m trilat.convert --help`.
 """
+import sys
+
 try:
     import h5py  # noqa: F401
     import numpy  # noqa: F401
-except ImportError as error:
-    raise ImportError("trilat needs h5py and numpy (Debian: python3-h5py python3-numpy)") from error
+except ImportError:
+    MISSING = "trilat needs h5py and numpy: apt install python3-h5py python3-numpy"
+    if sys.argv[0] == "-m":  # a command, as trilat.convert
+        print(MISSING, file=sys.stderr)
+        sys.exit(2)
+    raise ImportError(MISSING) from None
 
 from trilat.errors import InputError, ProgramError
 from trilat.program import run

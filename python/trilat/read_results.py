@@ -27,8 +27,8 @@ AXES = "xyz"
 def _pandas():
     try:
         import pandas
-    except ImportError as error:
-        raise ImportError("tables need pandas (Debian: python3-pandas); columns() gives arrays without it") from error
+    except ImportError:
+        raise ImportError("tables need pandas: apt install python3-pandas; columns() gives arrays without it") from None
     return pandas
 
 

@@ -19,8 +19,8 @@ def tables(folder: str | os.PathLike) -> "dict[str, pandas.DataFrame]":
     unrounded. `attrs` has its "title" and "notes". InputError without tables: an older program's results."""
     try:
         import pandas
-    except ImportError as error:
-        raise ImportError("tables need pandas (Debian: python3-pandas)") from error
+    except ImportError:
+        raise ImportError("tables need pandas: apt install python3-pandas") from None
     path = Path(folder) / "tables.json"
     try:
         document = json.loads(path.read_text(encoding="utf-8"))

@@ -294,6 +294,16 @@ class Frames(Opened):
             with self.assertRaisesRegex(trilat.InputError, words):
                 wrong()
 
+    def test_a_missing_package_is_one_line_that_says_what_to_install(self):
+        (self.folder / "hidden").mkdir()
+        (self.folder / "hidden/h5py.py").write_text("raise ImportError")
+        paths = [str(self.folder / "hidden"), str(Path(trilat.__file__).resolve().parents[1])]
+        for words, code, traceback in ((["-c", "import trilat"], 1, 1), (["-m", "trilat.convert", "c3d"], 2, 0)):
+            done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False,
+                                  env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)})
+            self.assertEqual((done.returncode, done.stderr.count("Traceback")), (code, traceback), done.stderr)
+            self.assertTrue(done.stderr.rstrip().endswith("apt install python3-h5py python3-numpy"), done.stderr)
+
     def test_a_plot_in_three_lines(self):
         import matplotlib
         matplotlib.use("Agg")
@@ -311,7 +321,8 @@ class Frames(Opened):
         subprocess.run([sys.executable, "-c", "import matplotlib; matplotlib.use('Agg')\n" + "\n".join(blocks)],
                        cwd=self.folder.with_suffix(".page"), check=True, stdout=subprocess.DEVNULL,
                        env={**os.environ, "PYTHONPATH": str(Path(trilat.__file__).resolve().parents[1])})
-        self.assertTrue((self.folder.with_suffix(".page") / "wrist.png").exists())
+        for picture in ("errors.png", "wrist.png"):
+            self.assertTrue((self.folder.with_suffix(".page") / picture).exists(), picture)
         call("verify", self.folder.with_suffix(".page") / "own.h5")
 
     def test_the_notebook_runs(self):
