@@ -59,7 +59,8 @@ Chapter read_chapter(const std::filesystem::path& path, bool paper) {
                   .simulated = head.simulated,
                   .findings = stored->findings,
                   .on_the_paper = stored->on_the_paper,
-                  .warnings = stored->warnings};
+                  .warnings = stored->warnings,
+                  .legend = stored->legend};
   // a study with a campaign has its findings on the first screen alone
   if (head.campaign.empty()) chapter.sentences = stored->findings;
   chapter.sentences.insert(chapter.sentences.end(), stored->sentences.begin(), stored->sentences.end());

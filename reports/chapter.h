@@ -24,6 +24,7 @@ struct Chapter {
   std::vector<std::string> findings = {};      // for the page's first screen, marked up alike
   std::vector<std::string> on_the_paper = {};  // findings beside what the paper prints
   std::vector<std::string> warnings = {};      // what a reader must know before believing a number
+  std::vector<std::string> legend = {};        // one line a method of the first table, marked up alike
   std::vector<std::string> sentences = {};     // what it says, marked up alike
   std::vector<Table> tables = {};              // those that answer the study's question first, files last
   std::vector<DrawnFigure> figures = {};       // not drawn yet; those that answer the question first

@@ -32,12 +32,13 @@ void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
 
 bool is_of(const Chapter& chapter, StudyKind kind) { return chapter.provenance.kind == kind; }
 
-// The first figure that is wanted of those that answer a question.
-void put_in_headline(ReportContent& content, const auto& is_wanted) {
+// The first figure that is wanted of those that answer a question, with what its methods are.
+void put_in_headline(ReportContent& content, Headline& headline, const auto& is_wanted) {
   for (Chapter& chapter : content.chapters)
     for (DrawnFigure& drawn : chapter.figures)
       if (drawn.figure.is_first && is_wanted(chapter, drawn.figure)) {
         drawn.in_headline = true;
+        headline.legend = chapter.legend;
         return;
       }
 }
@@ -53,12 +54,9 @@ std::vector<std::string> warnings_of(const std::vector<Chapter>& chapters) {
       else
         same->first += ", " + chapter.provenance.folder;
     }
-  constexpr std::size_t kMost = 6;
   std::vector<std::string> warnings;
   for (const auto& [by, warning] : said)
-    if (warnings.size() < kMost) warnings.push_back(chapters.size() > 1 ? by + ": " + warning : warning);
-  if (said.size() > kMost)
-    warnings.push_back(fmt::format("And {} more, in the studies below.", said.size() - kMost));
+    warnings.push_back(chapters.size() > 1 ? by + ": " + warning : warning);
   return warnings;
 }
 
@@ -80,14 +78,13 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
   if (paper) add_verdicts(paper->claims, headline);
   if (on_the_paper) {
     headline.asked =
-        "Is nonlinear trilateration with several Kinect v2 as accurate as the paper says, and better than "
-        "simpler methods?";
+        "Does nonlinear trilateration of several Kinect v2 find joints better than the plain mean of them?";
     for (const Chapter& chapter : content.chapters)
       if (chapter.provenance.study == kWalking)
         headline.answers.insert(headline.answers.end(), chapter.on_the_paper.begin(),
                                 chapter.on_the_paper.end());
-    if (simulated) headline.answers.push_back(recorded_sentence(recorded_table()));
-    put_in_headline(content, [&](const Chapter& c, const Figure& f) {
+    if (simulated) headline.answers.back() += " " + recorded_sentence(recorded_table());
+    put_in_headline(content, headline, [&](const Chapter& c, const Figure& f) {
       return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
     });
     return headline;
@@ -95,7 +92,7 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
   if (changes) {
     headline.asked = "What changed, by how much, and is it real?";
     headline.answers = changes_sentences(*changes);
-    put_in_headline(content, [](const Chapter&, const Figure&) { return true; });
+    put_in_headline(content, headline, [](const Chapter&, const Figure&) { return true; });
     return headline;
   }
   const bool one_question = std::ranges::all_of(
@@ -111,8 +108,13 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
         ++left_out;
     }
   if (left_out > 0) headline.answers.push_back(fmt::format("And {} more, in the studies below.", left_out));
-  put_in_headline(content, [](const Chapter&, const Figure&) { return true; });
+  put_in_headline(content, headline, [](const Chapter&, const Figure&) { return true; });
   return headline;
+}
+
+std::string warnings_text(const Headline& headline) {
+  const std::size_t count = headline.warnings.size();
+  return fmt::format("{} warning{}{}", count, count == 1 ? "" : "s", count == 1 ? "" : ", the first");
 }
 
 std::string headline_text(const Headline& headline) {
@@ -131,7 +133,8 @@ std::string headline_text(const Headline& headline) {
   for (const auto& [verdict, count] : headline.verdicts)
     verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : ", ", verdict, count);
   if (!verdicts.empty()) add("The paper's claims: " + verdicts + ".");
-  for (const std::string& warning : headline.warnings) add("Warning: " + warning);
+  if (!headline.warnings.empty())
+    add(fmt::format("{}: {}", warnings_text(headline), headline.warnings.front()));
   return text;
 }
 

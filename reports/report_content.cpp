@@ -69,8 +69,13 @@ void limit_shown(ReportContent& content) {
 
 void draw_all(ReportContent& content) {
   std::vector<Figure> figures;
+  std::vector<Figure> narrow;
   for (Chapter& chapter : content.chapters)
-    for (DrawnFigure& figure : chapter.figures) figures.push_back(std::move(figure.figure));
+    for (DrawnFigure& drawn : chapter.figures) {
+      if (drawn.in_headline && !drawn.figure.y_names.empty()) narrow.push_back(narrow_figure(drawn.figure));
+      figures.push_back(std::move(drawn.figure));
+    }
+  std::ranges::move(narrow, std::back_inserter(figures));
   std::vector<DrawnFigure> drawn = draw_figures(std::move(figures));
   const bool has_pictures = std::ranges::all_of(drawn, &DrawnFigure::is_drawn);
   auto next = drawn.begin();
@@ -79,6 +84,9 @@ void draw_all(ReportContent& content) {
       next->in_headline = figure.in_headline;
       figure = std::move(*next++);
     }
+  for (Chapter& chapter : content.chapters)
+    for (DrawnFigure& figure : chapter.figures)
+      if (figure.in_headline && !figure.figure.y_names.empty()) figure.narrow_svg = std::move((next++)->svg);
   if (!has_pictures)
     content.headline.warnings.emplace_back(
         "There are no pictures, because gnuplot is not installed (`apt-get install gnuplot-nox`); the "

@@ -21,6 +21,7 @@ struct Headline {
   std::string asked;                  // one question
   std::vector<std::string> answers;   // one sentence or two each, the first ones first
   std::vector<std::string> warnings;  // what to know before believing them
+  std::vector<std::string> legend;    // one line a method of the figure
   std::vector<std::pair<std::string, std::size_t>> verdicts;  // on the paper's claims, and how many
   std::optional<DrawnFigure> history;                         // errors by night
 };
@@ -50,7 +51,9 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
 // The first screen of a report, and which of its figures stand there.
 Headline headline_of(ReportContent& content, const std::optional<PaperFindings>& paper,
                      const std::optional<ErrorChanges>& changes);
-// The same for a terminal, in lines of at most 100 characters.
+// The first screen for a terminal, in lines of at most 100 characters.
 std::string headline_text(const Headline& headline);
+// "3 warnings, the first".
+std::string warnings_text(const Headline& headline);
 
 }  // namespace trilat

@@ -47,6 +47,8 @@ std::string markdown_of(const ReportContent& content) {
   for (const std::string& answer : headline.answers) markdown += "\n- " + answer;
   for (const std::string& warning : headline.warnings) markdown += "\n- Warning: " + warning;
   markdown += '\n';
+  for (const std::string& line : headline.legend) markdown += "\n- " + line;
+  if (!headline.legend.empty()) markdown += '\n';
   const auto add = [&](const Table& table) {
     if (table.shown == Table::Shown::first) markdown += "\n" + markdown_of(table);
   };

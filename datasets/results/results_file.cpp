@@ -16,7 +16,7 @@ constexpr const char* kFormat = "trilat.results";
 const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "recording"};
 
 std::int64_t version_of(StudyKind kind) {
-  if (kind == StudyKind::accuracy) return 9;
+  if (kind == StudyKind::accuracy) return 10;
   return kind == StudyKind::calibration ? 3 : 2;
 }
 

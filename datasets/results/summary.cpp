@@ -45,6 +45,15 @@ const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& m
   return nullptr;
 }
 
+const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
+                                      const std::string& condition, const std::string& group,
+                                      const std::string& alignment) {
+  for (const DifferenceCell& d : summary.differences)
+    if (d.method == method && d.condition == condition && d.group == group && d.alignment == alignment)
+      return &d;
+  return nullptr;
+}
+
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
                             const std::string& group) {
   for (const BestMethod& best : summary.best)
@@ -77,6 +86,8 @@ std::vector<std::string> leading_methods(const ResultsSummary& s, const std::str
   const auto add = [&](const std::string& name) {
     if (has(s.methods, name) && !has(leading, name) && leading.size() < kMostLeading) leading.push_back(name);
   };
+  for (const MethodNote& note : s.legend)
+    if (note.is_brought && has(s.methods, note.method)) leading.push_back(note.method);
   for (const char* name : kLeading) add(name);
   const auto is_single = [](const std::string& name) {
     return name == "single" || name.starts_with("single ");

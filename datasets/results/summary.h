@@ -203,6 +203,14 @@ struct BestMethod {
   TRILAT_FIELDS(condition, group, method, like_best)
 };
 
+// One line on a method, for readers who do not know it.
+struct MethodNote {
+  std::string method, what;
+  bool is_brought = false;  // its joints came from a file of the takes
+
+  TRILAT_FIELDS(method, what, is_brought)
+};
+
 struct ResultsSummary {
   static constexpr StudyKind kKind = StudyKind::accuracy;
   std::string study;
@@ -212,6 +220,7 @@ struct ResultsSummary {
   std::uint64_t takes_failed = 0;
   std::uint64_t participants = 0;
   std::vector<std::string> methods;    // in the order of the study
+  std::vector<MethodNote> legend;      // one a method
   std::vector<MethodFamily> families;  // of some of them
   std::vector<FamilyCell> family_cells;
   std::vector<BestMethod> best;
@@ -235,13 +244,13 @@ struct ResultsSummary {
     return !cross_checks.empty() && std::ranges::all_of(cross_checks, &CrossCheck::passed);
   }
 
-  TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, families,
+  TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, legend, families,
                 family_cells, best, reference, conditions, groups, alignments, cells, differences, bodies,
                 by_take, notes, truth, cross_checks, claims)
   void check(const JsonObject& object) const;
 };
 
-// summary.json (results format 8, kind accuracy). NaN is written as null.
+// summary.json (kind accuracy). NaN is written as null.
 void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
 // Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or not one.
 ResultsSummary read_summary(const std::filesystem::path& folder);
@@ -250,6 +259,10 @@ ResultsSummary read_summary(const std::filesystem::path& folder);
 const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& method,
                              const std::string& condition, const std::string& group,
                              const std::string& alignment);
+// A method's difference from the reference, or none.
+const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
+                                      const std::string& condition, const std::string& group,
+                                      const std::string& alignment);
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
                             const std::string& group);
 
@@ -260,8 +273,8 @@ std::vector<std::string> groups_in(const ResultsSummary& summary, const std::str
 // The methods sorted by their mean error under the first alignment, the least first.
 std::vector<std::string> by_error(const ResultsSummary& summary, const std::string& condition,
                                   std::vector<std::string> methods);
-// The paper's three, the best single sensor, the mean, range_bearing, the reference and the best; of few
-// methods all. The least error first.
+// What was brought, the paper's three, the best single sensor, the mean, range_bearing, the reference and the
+// best; of few methods all. The smallest error first.
 std::vector<std::string> leading_methods(const ResultsSummary& summary, const std::string& condition);
 
 // What one method's mean error did from one set of results to another, in one condition and joint group. The

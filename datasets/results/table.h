@@ -202,11 +202,12 @@ struct StoredTables {
   std::vector<std::string> findings;      // what it found, one or two sentences each, the first ones first
   std::vector<std::string> on_the_paper;  // what it found beside what the paper prints
   std::vector<std::string> warnings;      // what a reader must know before believing a number
+  std::vector<std::string> legend;        // one line a method of the first table
   std::vector<std::string> sentences;     // what else it says
   std::map<std::string, std::string> errata;  // what an erratum of the paper does here, by its id
   std::vector<Table> tables;                  // those that answer the study's question first
 
-  TRILAT_FIELDS(title, asked, about, findings, on_the_paper, warnings, sentences, errata, tables)
+  TRILAT_FIELDS(title, asked, about, findings, on_the_paper, warnings, legend, sentences, errata, tables)
 };
 // The rows of tables that are shown as files become CSV files beside it.
 void store_tables(const std::filesystem::path& folder, StoredTables shown);

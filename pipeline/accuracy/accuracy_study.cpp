@@ -15,6 +15,7 @@
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/accuracy/evaluate_take.h"
+#include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take_key.h"
@@ -123,6 +124,7 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   for (const Method& method : plan.methods) {
     const MethodSpec& spec = method.spec;
     summary.methods.push_back(spec.name);
+    summary.legend.push_back({spec.name, std::string(spec.kind->what), spec.kind == &brought_kind()});
     if (spec.family.empty()) continue;
     if (summary.families.empty() || summary.families.back().name != spec.family)
       summary.families.push_back({spec.family, spec.sensors.size(), {}});
@@ -216,7 +218,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
       place = std::next(shown.tables.insert(place, std::move(table)));
     }
   }
-  for (Table& table : angle_tables(without_sets(summary), angles)) {
+  for (Table& table : angle_tables(shown_summary(summary), angles)) {
     if (run.plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
   }
@@ -225,8 +227,8 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     shown.tables.push_back(std::move(table));
   }
   store_tables(folder, std::move(shown));
-  StoredFigures figures{accuracy_figures(without_sets(summary))};
-  for (Figure& figure : angle_figures(without_sets(summary), angles))
+  StoredFigures figures{accuracy_figures(shown_summary(summary))};
+  for (Figure& figure : angle_figures(shown_summary(summary), angles))
     figures.figures.push_back(std::move(figure));
   write_beside(folder, figures);
   write_summary(folder, summary);

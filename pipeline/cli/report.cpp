@@ -93,7 +93,8 @@ int report(const ReportArguments& arguments) {
                                   {"files", list}},
                                  2));
   } else {
-    fmt::print("{}\n{} tables, {} figures: {}\n", headline_text(files.headline), files.tables, files.figures,
+    fmt::print("{}\n{} table{}, {} figure{}: {}\n", headline_text(files.headline), files.tables,
+               files.tables == 1 ? "" : "s", files.figures, files.figures == 1 ? "" : "s",
                (arguments.output / "report.html").string());
   }
   return kDone;

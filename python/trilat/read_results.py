@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import pandas
 
-NEWEST_SUMMARY = 9
+NEWEST_SUMMARY = 10
 NEWEST_MANIFEST = 2
 NEWEST_TAKE = 3
 ANSWERS = ("converged", "closed_form", "clamped", "given")

@@ -12,6 +12,7 @@ namespace trilat {
 struct DrawnFigure {
   Figure figure;
   std::string svg, pdf;
+  std::string narrow_svg{};  // for a narrow screen: its panels below each other
   bool in_headline = false;  // on the first screen of a report
   bool is_drawn() const { return !svg.empty(); }
 };
@@ -19,6 +20,9 @@ struct DrawnFigure {
 // Draws all of them in one run of gnuplot; none where it is not installed. The same figures give the same
 // bytes on one machine. InputError when gnuplot refuses, with what it says.
 std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures);
+
+// The same figure with its panels below each other.
+Figure narrow_figure(Figure figure);
 
 struct FigureSize {
   double width_mm = 0.0, height_mm = 0.0;

@@ -16,7 +16,8 @@ namespace {
 constexpr double kColumn_mm = 85.0, kPage_mm = 178.0;
 constexpr double kLetter_mm = 1.55, kLine_mm = 4.3;  // of 8 pt: a wide letter's width, a line's height
 constexpr double kTitle_mm = 6.0;                    // a panel's
-constexpr std::size_t kFewPoints = 30;               // are drawn large
+constexpr double kBetweenRows_mm = 10.0;
+constexpr std::size_t kFewPoints = 30;  // are drawn large
 constexpr double kSmallDot = 0.4, kLargeDot = 0.55;
 constexpr const char* kShade = "#e4e4e4";
 constexpr std::size_t kPanelColumns = 3;
@@ -148,9 +149,11 @@ std::vector<Entry> entries_of(const Figure& figure, std::size_t panel) {
 
 std::size_t panels_of(const Figure& figure) { return std::max<std::size_t>(1, figure.panels.size()); }
 
-// Panels with named rows stand side by side, so that the names stand once.
+// Panels with named rows stand side by side, so that the names stand once; in one column below each other.
 std::size_t columns_of(const Figure& figure) {
-  const std::size_t most = figure.y_names.empty() ? kPanelColumns : panels_of(figure);
+  const std::size_t most = figure.width == FigureWidth::column ? 1
+                           : figure.y_names.empty()            ? kPanelColumns
+                                                               : panels_of(figure);
   return std::min(most, panels_of(figure));
 }
 
@@ -389,7 +392,7 @@ class Script {
   }
   void end_block() { text_ += empty_ ? "NaN NaN NaN NaN NaN NaN\nEOD\n" : "EOD\n"; }
 
-  static constexpr double kRight_mm = 5.0, kBetweenRows_mm = 10.0;
+  static constexpr double kRight_mm = 5.0;
   static constexpr const char* kLineLook = "lw 1 dt 2 lc rgb '#222222'";
 
   const Figure& figure_;
@@ -409,10 +412,16 @@ FigureSize size_of(const Figure& figure) {
   const bool narrow = figure.width == FigureWidth::column;
   FigureSize size{narrow ? kColumn_mm : kPage_mm, narrow ? 62.0 : 90.0};
   if (!figure.y_names.empty())
-    size.height_mm = 30.0 + 4.4 * static_cast<double>(figure.y_names.size());
+    size.height_mm = 30.0 + 4.4 * static_cast<double>(figure.y_names.size() * rows_of(figure)) +
+                     kBetweenRows_mm * static_cast<double>(rows_of(figure) - 1);
   else if (!figure.panels.empty())
     size.height_mm = 24.0 + 50.0 * static_cast<double>(rows_of(figure));
   return size;
+}
+
+Figure narrow_figure(Figure figure) {
+  figure.width = FigureWidth::column;
+  return figure;
 }
 
 std::string gnuplot_script(const Figure& figure) { return Script(figure).text(); }

@@ -83,14 +83,24 @@ std::string lead_html(const ReportContent& content) {
   const Headline& headline = content.headline;
   std::string html = fmt::format("<p class=\"origin\">{}</p>\n<h1>{}</h1>\n", html_text(headline.origin),
                                  html_text(headline.asked));
-  html += html_list("answers", headline.answers) + verdicts_html(headline) +
-          html_list("warnings", headline.warnings);
+  html += html_list("answers", headline.answers) + verdicts_html(headline);
+  if (const std::size_t count = headline.warnings.size(); count > 0) {
+    const std::string said = warnings_text(headline);
+    html += fmt::format("<p class=\"warnings\">{}: {}</p>\n",
+                        count == 1 ? said : "<a href=\"#warnings\">" + said + "</a>",
+                        html_sentence(headline.warnings.front()));
+  }
   if (headline.history) html += figure_html(*headline.history);
   std::string figures, more;
   for (const Chapter& chapter : content.chapters)
     for (const DrawnFigure& drawn : chapter.figures)
       if (drawn.in_headline) figures += figure_html(drawn);
   if (!figures.empty()) html += "<div class=\"first\">\n" + figures + "</div>\n";
+  html += html_list("legend", headline.legend);
+  if (headline.warnings.size() > 1)
+    html += fmt::format(
+        "<details class=\"plain\" id=\"warnings\"><summary>All {} warnings</summary>\n{}</details>\n",
+        headline.warnings.size(), html_list("warnings", headline.warnings));
   if (std::ranges::any_of(content.chapters, &Chapter::simulated))
     more =
         "Simulated: no camera was used; a number says what follows from the errors that sensors and body "

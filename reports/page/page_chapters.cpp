@@ -167,12 +167,17 @@ std::string figure_html(const DrawnFigure& drawn) {
         "<p id=\"figure-{0}\"><strong>{1}.</strong> {2} <a href=\"figures/{0}.csv\">CSV</a></p>\n", id, title,
         html_text(figure.caption));
   return fmt::format(
-      "<figure{4} id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
-      "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src='{2}'></div>\n"
+      "<figure class=\"{4}\" id=\"figure-{0}\">\n<div class=\"pan\" tabindex=\"0\" role=\"group\" "
+      "aria-label=\"{1}\"><img alt=\"{1}\" loading=\"lazy\" src='{2}'>{5}</div>\n"
       "<figcaption><strong>{1}.</strong> {3} <a href=\"figures/{0}.svg\">SVG</a> <a "
       "href=\"figures/{0}.pdf\">PDF</a> <a href=\"figures/{0}.csv\">CSV</a></figcaption>\n</figure>\n",
       id, title, svg_source(drawn.svg), html_text(figure.caption),
-      figure.width == FigureWidth::column ? " class=\"column\"" : "");
+      figure.width == FigureWidth::column ? "column"
+      : drawn.narrow_svg.empty()          ? ""
+                                          : "stacks",
+      drawn.narrow_svg.empty() ? std::string()
+                               : fmt::format("<img class=\"narrow\" alt=\"{}\" loading=\"lazy\" src='{}'>",
+                                             title, svg_source(drawn.narrow_svg)));
 }
 
 PageSection claims_section(const ReportContent& content) {

@@ -22,15 +22,6 @@ constexpr const char* kTwoMethods = R"("methods": [{"method": "mean"}, {"method"
 
 StudySpec statistics_study(const std::string& members) { return study_of(members + ", " + kTwoMethods); }
 
-const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
-                                      const std::string& condition, const std::string& group,
-                                      const std::string& alignment) {
-  for (const DifferenceCell& d : summary.differences)
-    if (d.method == method && d.condition == condition && d.group == group && d.alignment == alignment)
-      return &d;
-  return nullptr;
-}
-
 const BodyCell& body_of(const ResultsSummary& summary, const std::string& method) {
   const auto found =
       std::ranges::find_if(summary.bodies, [&](const BodyCell& b) { return b.method == method; });

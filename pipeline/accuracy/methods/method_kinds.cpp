@@ -182,8 +182,9 @@ const std::vector<MethodKind>& method_kinds() {
              return solve_ceres(ranges_from(instant, sensors), m.spec.ceres);
            }},
       {.name = "range_bearing",
-       .what = "the most likely place when both the distance from a sensor and the direction are known, each "
-               "as well as its sigma says: nonlinear, triangulation and the mean are its limits",
+       .what =
+           "the most likely point, given each sensor's distance and direction with an uncertainty of its own "
+           "for each of both",
        .source = "maximum likelihood; eq. 10 without its second term",
        .needs_ranges = true,
        .calibrates = true,
@@ -225,13 +226,13 @@ const std::vector<MethodKind>& method_kinds() {
              return solve_median(instant.observations, {.allowed = sensors});
            }},
       {.name = "kalman",
-       .what = "each joint's path by itself, filtered",
+       .what = "each joint's path by itself, filtered as it comes",
        .source = "Kalman 1960",
        .needs_ranges = false,
        .settings = kalman_settings,
        .over_time = solve_joints},
       {.name = "rts",
-       .what = "each joint's path by itself, smoothed",
+       .what = "each joint's path by itself, smoothed forwards and backwards",
        .source = "Rauch, Tung and Striebel 1965",
        .needs_ranges = false,
        .settings = rts_settings,

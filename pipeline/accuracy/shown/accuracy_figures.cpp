@@ -16,17 +16,16 @@ namespace {
 constexpr std::array<std::string_view, 7> kFromHeadToFoot{"head", "shoulder", "elbow", "wrist",
                                                           "hip",  "knee",     "ankle"};
 
-// The groups that a figure of six panels shows: from head to foot, and the average of all last.
+// The groups that a figure of six panels shows: the average of all, then from head to foot.
 std::vector<std::string> first_groups(std::vector<std::string> groups) {
   constexpr std::size_t kMostPanels = 6;
-  if (groups.size() <= kMostPanels) return groups;
-  const bool has_average = groups.back() == kAverageGroup;
+  const bool has_average = !groups.empty() && groups.back() == kAverageGroup;
   if (has_average) groups.pop_back();
   std::ranges::stable_sort(groups, {}, [](const std::string& group) {
     return std::ranges::find(kFromHeadToFoot, std::string_view(group)) - kFromHeadToFoot.begin();
   });
-  groups.resize(kMostPanels - has_average);
-  if (has_average) groups.emplace_back(kAverageGroup);
+  groups.resize(std::min(groups.size(), kMostPanels - has_average));
+  if (has_average) groups.insert(groups.begin(), kAverageGroup);
   return groups;
 }
 

@@ -23,9 +23,18 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
     const SummaryCell* found = find_cell(s, method, kCondition, group, alignment);
     return found && std::isfinite(found->mae_m) ? found : nullptr;
   };
+  if (!cell("nonlinear")) return {};
+  std::vector<std::string> answers;
+  if (cell("mean") && s.reference == "nonlinear")
+    if (const std::string against = difference_text(s, kCondition, alignment, "mean"); !against.empty()) {
+      const DifferenceCell* d = find_difference(s, "mean", kCondition, group, alignment);
+      answers.push_back(!d->significant()
+                            ? "**Undecided**: the plain mean of the same sensors is " + against + "."
+                            : fmt::format("**{}**: the plain mean of the same sensors errs {}.",
+                                          d->difference_m < 0.0 ? "No" : "Yes", against));
+    }
   const PrintedTable3 paper = printed_table3();
   const std::vector<std::string> groups = groups_in(s, kCondition);
-  std::vector<std::string> answers;
   std::string ours, printed;
   for (const char* method : {"nonlinear", "linear", "geometric"})
     if (const SummaryCell* c = cell(method)) {
@@ -33,22 +42,22 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
       if (const double cm = printed_cm(paper, groups, group, method); std::isfinite(cm))
         printed += fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", cm);
     }
-  if (ours.empty()) return answers;
-  answers.push_back(fmt::format("**Trilateration** of {} walker{}, {}: mean error {}.{}", s.participants,
-                                s.participants == 1 ? "" : "s", s.simulated ? "simulated" : "recorded", ours,
-                                relative && !printed.empty() ? " The paper prints " + printed + " cm." : ""));
-  if (const SummaryCell* mean = cell("mean")) {
-    const std::string against = difference_text(s, kCondition, alignment, "mean");
-    answers.push_back(fmt::format("**The plain mean** of the same sensors errs by {}{}{}.", error_text(*mean),
-                                  against.empty() ? "" : ": ", against));
+  answers.push_back(
+      fmt::format("Errors of trilateration: {}.{}", ours,
+                  relative && !printed.empty() ? " The paper prints " + printed + " cm." : std::string()));
+  std::string better;
+  std::vector<std::string> methods = by_error(s, kCondition, leading_methods(s, kCondition));
+  for (const std::string& method : methods) {
+    const DifferenceCell* d = find_difference(s, method, kCondition, group, alignment);
+    if (!d || !d->significant() || d->difference_m > 0.0 || method.starts_with("single")) continue;
+    better += fmt::format("{}`{}` {}", better.empty() ? "" : ", ", method, error_text(*cell(method)));
   }
-  const BestMethod* best = find_best(s, kCondition, group);
-  if (best && best->method != "mean" && alignment == s.alignments.front() && cell(best->method))
-    answers.push_back(fmt::format(
-        "**`{}`** errs least, by {}{}.", best->method, error_text(*cell(best->method)),
-        best->like_best.empty()
-            ? std::string()
-            : fmt::format("; cannot be distinguished from it: `{}`", fmt::join(best->like_best, "`, `"))));
+  if (!better.empty()) answers.push_back("Methods that err less: " + better + ".");
+  answers.push_back(
+      fmt::format("Data: {} {} walker{}, average of {} joint groups, each method's mean offset taken away.",
+                  s.participants, s.simulated ? "**simulated**" : "recorded", s.participants == 1 ? "" : "s",
+                  s.groups.size()));
+  if (!relative) answers.back() = answers.back().substr(0, answers.back().rfind(", each")) + ".";
   return answers;
 }
 
@@ -67,9 +76,9 @@ void add_cross_checks(const ResultsSummary& s, Table& table) {
 }  // namespace
 
 StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<TrackingSummary>& tracking) {
-  const ResultsSummary s = without_sets(whole);
+  const ResultsSummary s = shown_summary(whole);
   StoredTables shown;
-  shown.title = s.study + " on " + s.campaign;
+  shown.title = s.study == s.campaign ? s.study : s.study + " on " + s.campaign;
   shown.asked = "How far from the truth is each method?";
   shown.about =
       fmt::format("{} of {} takes, {} participant{}, {}.", s.takes - s.takes_failed, s.takes, s.participants,
@@ -77,6 +86,7 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   shown.findings = accuracy_findings(s);
   shown.on_the_paper = answers_on_the_paper(s);
   shown.warnings = accuracy_warnings(s);
+  shown.legend = method_legend(s);
   if (s.left_out()) shown.sentences.push_back(truth_note(s));
   const auto add = [&](std::vector<Table> tables, Table::Shown where) {
     for (Table& table : tables) {

@@ -77,11 +77,13 @@ std::vector<Table> prediction_tables(const TrackingSummary& summary);
 // One take's disagreement along and across the rays, in one line.
 std::string ray_text(const RayRow& row);
 
-// The summary without the methods that stand for one of several sets of sensors: the figure of numbers of
-// sensors has them together. The rows by take stay whole.
-ResultsSummary without_sets(ResultsSummary summary);
+// The summary as it is shown: without the methods that stand for one of several sets of sensors, which the
+// figure of numbers of sensors has together, and with one row for methods that answer alike everywhere, as
+// the mean and the median of two sensors do. The rows by take stay whole.
+ResultsSummary shown_summary(ResultsSummary summary);
 
-// How the paper's methods, the mean and the best one do when walking, beside what the paper prints.
+// Whether the paper's nonlinear trilateration beats the plain mean when walking, yes or no; what
+// trilateration reaches beside what the paper prints; what errs less; on which data.
 std::vector<std::string> answers_on_the_paper(const ResultsSummary& summary);
 
 }  // namespace trilat

@@ -61,9 +61,78 @@ namespace {
 // Each single sensor is a row of the other tables.
 bool is_of_sets(const MethodFamily& family) { return family.sensors > 1; }
 
+// The paper's own rows stay apart, since its numbers stand beside them.
+bool has_printed_row(const std::string& method) {
+  return method == "linear" || method == "geometric" || method == "nonlinear";
+}
+
+bool answer_alike(const ResultsSummary& s, const std::string& a, const std::string& b) {
+  bool any = false;
+  for (const SummaryCell& cell : s.cells) {
+    if (cell.method != a) continue;
+    const SummaryCell* other = find_cell(s, b, cell.condition, cell.group, cell.alignment);
+    if (!other || other->asked != cell.asked || other->answered != cell.answered ||
+        (other->mae_m != cell.mae_m && cell.answered > 0))
+      return false;
+    any |= cell.answered > 0;
+  }
+  return any;
+}
+
+void drop_method(ResultsSummary& s, const std::string& method) {
+  const auto is_its = [&](const auto& entry) { return entry.method == method; };
+  std::erase(s.methods, method);
+  std::erase_if(s.legend, is_its);
+  std::erase_if(s.cells, is_its);
+  std::erase_if(s.differences, is_its);
+  std::erase_if(s.bodies, is_its);
+  for (BestMethod& best : s.best) std::erase(best.like_best, method);
+}
+
+void rename_method(ResultsSummary& s, const std::string& method, const std::string& name) {
+  const auto rename = [&](std::string& text) {
+    if (text == method) text = name;
+  };
+  const auto rename_its = [&](auto& entries) {
+    for (auto& entry : entries) rename(entry.method);
+  };
+  for (std::string& text : s.methods) rename(text);
+  rename(s.reference);
+  rename_its(s.legend);
+  rename_its(s.cells);
+  rename_its(s.differences);
+  rename_its(s.bodies);
+  rename_its(s.by_take);
+  rename_its(s.best);
+  for (BestMethod& best : s.best)
+    for (std::string& text : best.like_best) rename(text);
+}
+
+// A method that answers as an earlier one does shares its row, under both names.
+void join_alike(ResultsSummary& s) {
+  for (std::size_t m = 0; m < s.methods.size(); ++m) {
+    const std::string method = s.methods[m];
+    if (has_printed_row(method)) continue;
+    std::string name = method;
+    const std::vector<std::string> later(s.methods.begin() + static_cast<std::ptrdiff_t>(m) + 1,
+                                         s.methods.end());
+    for (const std::string& other : later) {
+      if (has_printed_row(other) || other == s.reference || !answer_alike(s, method, other)) continue;
+      for (BestMethod& best : s.best)
+        if (best.method == other) {
+          best.method = method;
+          std::erase(best.like_best, method);
+        }
+      drop_method(s, other);
+      name += " = " + other;
+    }
+    if (name != method) rename_method(s, method, name);
+  }
+}
+
 }  // namespace
 
-ResultsSummary without_sets(ResultsSummary s) {
+ResultsSummary shown_summary(ResultsSummary s) {
   std::set<std::string> members;
   for (const MethodFamily& family : s.families)
     if (is_of_sets(family) && family.methods.size() > 1)
@@ -74,6 +143,7 @@ ResultsSummary without_sets(ResultsSummary s) {
   std::erase_if(s.cells, is_member);
   std::erase_if(s.differences, is_member);
   std::erase_if(s.bodies, is_member);
+  join_alike(s);
   return s;
 }
 

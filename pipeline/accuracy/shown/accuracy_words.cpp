@@ -97,22 +97,63 @@ std::string error_text(const SummaryCell& c) {
 
 std::string difference_text(const ResultsSummary& s, const std::string& condition,
                             const std::string& alignment, const std::string& method) {
-  for (const DifferenceCell& d : s.differences)
-    if (d.condition == condition && d.group == average_group(s) && d.alignment == alignment &&
-        d.method == method && !std::isnan(d.percent_low))
-      return d.significant()
-                 ? fmt::format("{:.0f} % ({:.0f} to {:.0f}) {} than `{}`", std::abs(d.percent_of_reference),
-                               std::min(std::abs(d.percent_low), std::abs(d.percent_high)),
-                               std::max(std::abs(d.percent_low), std::abs(d.percent_high)),
-                               d.percent_of_reference < 0.0 ? "less" : "more", s.reference)
-                 : fmt::format("not to be distinguished from `{}`", s.reference);
-  return {};
+  const DifferenceCell* d = find_difference(s, method, condition, average_group(s), alignment);
+  if (!d || std::isnan(d->percent_low)) return {};
+  if (!d->significant()) return fmt::format("not to be distinguished from `{}`", s.reference);
+  return fmt::format("{:.0f} % ({:.0f} to {:.0f}) {} than `{}`", std::abs(d->percent_of_reference),
+                     std::min(std::abs(d->percent_low), std::abs(d->percent_high)),
+                     std::max(std::abs(d->percent_low), std::abs(d->percent_high)),
+                     d->percent_of_reference < 0.0 ? "less" : "more", s.reference);
 }
+
+std::vector<std::string> method_legend(const ResultsSummary& s) {
+  std::vector<std::string> methods, lines;
+  for (const std::string& condition : s.conditions)
+    for (const std::string& method : leading_methods(s, condition))
+      if (std::ranges::find(methods, method) == methods.end()) methods.push_back(method);
+  for (const std::string& method : methods)
+    if (const auto note = std::ranges::find(s.legend, method, &MethodNote::method); note != s.legend.end())
+      lines.push_back(fmt::format("`{}`: {}", method, note->what));
+  return lines;
+}
+
+namespace {
+
+// The methods that were brought, each with its error and its rank.
+std::string brought_text(const ResultsSummary& s, const std::string& condition, const std::string& best) {
+  const std::vector<std::string> ranked = by_error(s, condition, s.methods);
+  std::string text;
+  for (const MethodNote& note : s.legend) {
+    const SummaryCell* cell = find_cell(s, note.method, condition, average_group(s), s.alignments.front());
+    if (!note.is_brought || note.method == best || !cell || cell->answered == 0) continue;
+    const auto rank = std::ranges::find(ranked, note.method) - ranked.begin() + 1;
+    text += fmt::format("{}`{}` {}, {} of {}", text.empty() ? " From files: " : "; ", note.method,
+                        error_text(*cell), rank, ranked.size());
+  }
+  return text.empty() ? text : text + ".";
+}
+
+// Which methods may be as good as the best one, the nearest first.
+std::string alike_text(const ResultsSummary& s, const std::vector<std::string>& alike) {
+  constexpr std::size_t kMaxNamed = 4;
+  constexpr std::uint64_t kFewParticipants = 5;
+  if (alike.empty()) return {};
+  const std::vector<std::string> named(alike.begin(), alike.begin() + std::min(alike.size(), kMaxNamed));
+  const std::string names =
+      fmt::format("{}`{}`", alike.size() > kMaxNamed ? "among them " : "", fmt::join(named, "`, `"));
+  if (s.participants < kFewParticipants)
+    return fmt::format("; {} participant{} {} too few to rule out {} other{}, the nearest first ({})",
+                       s.participants, s.participants == 1 ? "" : "s", s.participants == 1 ? "is" : "are",
+                       alike.size(), alike.size() == 1 ? "" : "s", names);
+  return fmt::format("; {} other{} cannot be distinguished from it ({})", alike.size(),
+                     alike.size() == 1 ? "" : "s", names);
+}
+
+}  // namespace
 
 // For each condition: the method that errs least on average over the joint groups, how many cannot be
 // distinguished from it, and its difference from the reference.
 std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
-  constexpr std::size_t kMostNamed = 4;
   std::vector<std::string> findings;
   for (const std::string& condition : s.conditions) {
     const BestMethod* best = find_best(s, condition, average_group(s));
@@ -137,13 +178,8 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
     if (const std::string against = difference_text(s, condition, s.alignments.front(), best->method);
         !against.empty() && std::ranges::find(best->like_best, s.reference) == best->like_best.end())
       text += ", " + against;
-    std::vector<std::string> named = best->like_best;
-    if (named.size() > kMostNamed) named.resize(kMostNamed);
-    if (const std::size_t alike = best->like_best.size(); alike > 0)
-      text +=
-          fmt::format("; {} other{} cannot be distinguished from it ({}`{}`)", alike, alike == 1 ? "" : "s",
-                      alike > kMostNamed ? "among them " : "", fmt::join(named, "`, `"));
-    findings.push_back(text + ".");
+    text += alike_text(s, best->like_best);
+    findings.push_back(text + "." + brought_text(s, condition, best->method));
   }
   return findings;
 }
@@ -184,12 +220,6 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
                                : fmt::format("`{}` answers only {:.0f} %{}: its error is of these alone.",
                                              method, 100.0 * c->coverage(), where));
     }
-  constexpr std::size_t kMost = 5;
-  if (warnings.size() > kMost) {
-    const std::size_t more = warnings.size() - kMost;
-    warnings.resize(kMost);
-    warnings.push_back(fmt::format("And {} more; the tables' notes have all.", more));
-  }
   return warnings;
 }
 

@@ -37,8 +37,11 @@ std::string error_text(const SummaryCell& cell);
 std::string difference_text(const ResultsSummary& summary, const std::string& condition,
                             const std::string& alignment, const std::string& method);
 
-// A sentence a condition: which method errs least, by how much, against the reference, and what is like it;
-// `code` and **bold** as in Markdown.
+// One line a method that the first tables show: `name` and what it does.
+std::vector<std::string> method_legend(const ResultsSummary& summary);
+
+// A sentence a condition: which method errs least, by how much, against the reference, and what is like it,
+// and how what was brought does; `code` and **bold** as in Markdown.
 std::vector<std::string> accuracy_findings(const ResultsSummary& summary);
 // The warnings that a reader needs before believing a number: few participants, silent methods, disagreement
 // with Ceres; and, where they are not said elsewhere, failed takes and notes of the checks.

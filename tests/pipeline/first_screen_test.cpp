@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// What the first lines of an accuracy study say, from chosen numbers.
+#include <gmock/gmock.h>
+
+#include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/shown/accuracy_words.h"
+
+namespace trilat {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+// Methods with these mean errors in centimetres, each known to 0.2 cm, against the first; a difference of
+// more than 0.5 cm is significant. The smallest is the best, those within 0.5 cm are like it.
+ResultsSummary chosen(std::uint64_t participants, const std::vector<std::pair<std::string, double>>& methods,
+                      const std::string& alignment = "mean") {
+  ResultsSummary s;
+  s.study = s.campaign = "chosen";
+  s.simulated = true;
+  s.takes = s.participants = participants;
+  s.reference = methods.front().first;
+  s.conditions = {"walking"};
+  s.groups = {"head"};
+  s.alignments = {alignment};
+  const auto best = std::ranges::min_element(methods, {}, [](const auto& m) { return m.second; });
+  s.best = {{"walking", "head", best->first, {}}};
+  for (const auto& [name, error_cm] : methods) {
+    s.methods.push_back(name);
+    s.legend.push_back({name, "what " + name + " does", name == "mine"});
+    SummaryCell cell;
+    cell.method = name;
+    cell.condition = "walking";
+    cell.group = "head";
+    cell.alignment = alignment;
+    cell.asked = cell.answered = 1000;
+    cell.mae_m = 0.01 * error_cm;
+    cell.mae_low_m = 0.01 * (error_cm - 0.2);
+    cell.mae_high_m = 0.01 * (error_cm + 0.2);
+    s.cells.push_back(cell);
+    if (name != best->first && error_cm < best->second + 0.5) s.best[0].like_best.push_back(name);
+    if (name == s.reference) continue;
+    DifferenceCell d;
+    d.method = name;
+    d.condition = "walking";
+    d.group = "head";
+    d.alignment = alignment;
+    d.n = 1000;
+    d.difference_m = 0.01 * (error_cm - methods.front().second);
+    d.low_m = d.difference_m - 0.005;
+    d.high_m = d.difference_m + 0.005;
+    const double percent = 1e4 / methods.front().second;
+    d.percent_of_reference = percent * d.difference_m;
+    d.percent_low = percent * d.low_m;
+    d.percent_high = percent * d.high_m;
+    s.differences.push_back(d);
+  }
+  return s;
+}
+
+TEST(FirstScreen, AnswersTheQuestionWithYesOrNoAndOneNumber) {
+  const auto first = [](double mean_cm) {
+    return answers_on_the_paper(chosen(16, {{"nonlinear", 10.0}, {"mean", mean_cm}})).front();
+  };
+  EXPECT_EQ(first(5.0),
+            "**No**: the plain mean of the same sensors errs 50 % (45 to 55) less than `nonlinear`.");
+  EXPECT_EQ(first(12.0),
+            "**Yes**: the plain mean of the same sensors errs 20 % (15 to 25) more than `nonlinear`.");
+  EXPECT_THAT(first(10.2), StartsWith("**Undecided**"));
+}
+
+TEST(FirstScreen, SaysWhatTrilaterationReachesWhatErrsLessAndOnWhichData) {
+  const std::vector<std::string> answers = answers_on_the_paper(
+      chosen(1, {{"nonlinear", 10.0}, {"linear", 11.0}, {"mean", 5.0}, {"single k1", 4.0}}, "none"));
+  ASSERT_EQ(answers.size(), 4u);
+  EXPECT_EQ(answers[1],
+            "Errors of trilateration: `nonlinear` 10.0 cm (9.8 to 10.2), `linear` 11.0 cm (10.8 to 11.2).");
+  EXPECT_EQ(answers[2], "Methods that err less: `mean` 5.0 cm (4.8 to 5.2).");
+  EXPECT_EQ(answers[3], "Data: 1 **simulated** walker, average of 1 joint groups.");
+  EXPECT_THAT(answers_on_the_paper(chosen(3, {{"median", 5.0}, {"mean", 5.0}})), IsEmpty());
+}
+
+TEST(FirstScreen, FewParticipantsRuleNothingOut) {
+  const auto finding = [](std::uint64_t participants) {
+    return accuracy_findings(
+               chosen(participants, {{"mean", 5.0}, {"rts", 4.0}, {"window", 4.1}, {"median", 4.2}}))
+        .front();
+  };
+  EXPECT_THAT(
+      finding(3),
+      HasSubstr("3 participants are too few to rule out 2 others, the nearest first (`window`, `median`)"));
+  EXPECT_THAT(finding(5), HasSubstr("2 others cannot be distinguished from it (`window`, `median`)"));
+}
+
+TEST(FirstScreen, WhatWasBroughtIsInTheSentenceTheFirstRowsAndTheLegend) {
+  std::vector<std::pair<std::string, double>> methods{{"nonlinear", 9.0}};
+  for (int m = 0; m < 12; ++m) methods.emplace_back("method " + std::to_string(m), 4.0 + m);
+  methods.emplace_back("mine", 30.0);
+  const ResultsSummary s = chosen(6, methods);
+  EXPECT_THAT(leading_methods(s, "walking"), Contains("mine"));
+  EXPECT_THAT(accuracy_findings(s).front(),
+              HasSubstr("From files: `mine` 30.0 cm (29.8 to 30.2), 14 of 14."));
+  EXPECT_THAT(method_legend(s), Contains("`mine`: what mine does"));
+  EXPECT_THAT(accuracy_figures(s).front().y_names, Contains("mine"));
+  EXPECT_THAT(accuracy_findings(chosen(6, {{"mean", 5.0}, {"mine", 3.0}})).front(),
+              Not(HasSubstr("From files")));
+}
+
+TEST(FirstScreen, MethodsThatAnswerAlikeShareARow) {
+  const ResultsSummary s = shown_summary(
+      chosen(6, {{"mean", 5.0}, {"median", 5.0}, {"nonlinear", 5.0}, {"rts", 4.0}, {"kalman", 4.0}}));
+  EXPECT_THAT(s.methods, ElementsAre("mean = median", "nonlinear", "rts = kalman"));
+  EXPECT_EQ(s.reference, "mean = median");
+  EXPECT_EQ(s.best[0].method, "rts = kalman");
+  EXPECT_THAT(s.best[0].like_best, IsEmpty());
+  EXPECT_EQ(s.cells.size(), 3u);
+  EXPECT_NE(find_cell(s, "rts = kalman", "walking", "head", "mean"), nullptr);
+}
+
+TEST(FirstScreen, AStudyNamedAsItsCampaignIsNamedOnce) {
+  EXPECT_EQ(accuracy_shown(chosen(6, {{"mean", 5.0}}), {}).title, "chosen");
+}
+
+}  // namespace
+}  // namespace trilat
