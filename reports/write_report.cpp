@@ -115,14 +115,15 @@ class Writer {
   std::vector<std::filesystem::path>& written_;
 };
 
-// Writes each table as CSV, and as LaTeX too unless it is shown as a file only. The study itself may have
+// Writes each table as CSV, and as LaTeX too where it fits an article's page. The study itself may have
 // written the rows of a long table.
 void write_tables(const ReportContent& content, Writer& write, const std::function<void(double)>& advance) {
   const std::vector<const Table*> tables = content.tables();
   for (std::size_t t = 0; t < tables.size(); ++t) {
     const Table& table = *tables[t];
     write("tables/" + table.id + ".csv", table.rows_in.empty() ? csv_of(table) : read_file(table.rows_in));
-    if (table.shown != Table::Shown::file) write("tables/" + table.id + ".tex", latex_of(table));
+    if (table.shown != Table::Shown::file)
+      if (const auto latex = latex_of(table)) write("tables/" + table.id + ".tex", *latex);
     advance(static_cast<double>(t + 1) / static_cast<double>(tables.size()));
   }
 }

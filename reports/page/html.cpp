@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
 #include <zlib.h>
 
 #include "datasets/base/error.h"
+#include "reports/render/latex.h"
 #include "reports/render/render.h"
 
 namespace trilat {
@@ -29,17 +29,6 @@ bool is_long(const Table& table, std::size_t column) {
   return table.columns[column].is_text && std::ranges::any_of(table.rows, [&](const auto& row) {
            return printed(row[column]).size() > kLong;
          });
-}
-
-// The order in which a page shows the columns: averages behind the names of the rows, where a narrow screen
-// shows them.
-std::vector<std::size_t> shown_order(const Table& table) {
-  std::vector<std::size_t> order(table.columns.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto names = std::ranges::find_if(order, [&](std::size_t c) { return !table.columns[c].is_text; });
-  std::stable_partition(names, order.end(),
-                        [&](std::size_t c) { return table.columns[c].key.starts_with("average_"); });
-  return order;
 }
 
 bool is_rest(const Table& table, std::size_t column) {
@@ -95,8 +84,9 @@ std::string links_html(const Table& table) {
                         table.rows.size() - table.first_rows);
   else if (table.first_columns > 0 && table.first_columns < table.columns.size())
     html += "<button type=\"button\" class=\"more\">Show intervals and details</button>";
-  return html + fmt::format("<a href=\"tables/{0}.csv\">CSV</a><a href=\"tables/{0}.tex\">LaTeX</a></div>\n",
-                            html_text(table.id));
+  html += fmt::format("<a href=\"tables/{}.csv\">CSV</a>", html_text(table.id));
+  if (latex_of(table)) html += fmt::format("<a href=\"tables/{}.tex\">LaTeX</a>", html_text(table.id));
+  return html + "</div>\n";
 }
 
 }  // namespace

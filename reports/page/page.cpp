@@ -113,8 +113,9 @@ std::string lead_html(const ReportContent& content) {
 }
 
 std::string citation_html(const std::string& citation) {
-  return "<p>Every table is a CSV and a LaTeX file of its own, every figure an SVG, a PDF and a CSV; their "
-         "names stand under them.</p>\n<pre>" +
+  return "<p>Every table is a CSV file of its own, and a LaTeX file where it fits a page; every figure is an "
+         "SVG, a "
+         "PDF and a CSV.</p>\n<pre>" +
          html_text(citation) + "</pre>\n";
 }
 

@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -98,39 +101,136 @@ std::string latex_text(const std::string& text) {
 
 namespace {
 
-std::string latex_of(const TableValue& value) {
-  if (value.number && !std::isfinite(*value.number)) return "--";
-  std::string text = latex_text(printed(value));
+constexpr std::size_t kMaxNotes = 3;    // the page has all
+constexpr std::size_t kMaxRows = 45;    // of a page
+constexpr double kOneColumn_mm = 69.0;  // of article in two columns; IEEE has 88
+constexpr std::array kRooms_mm{kOneColumn_mm, 121.0, 143.0,
+                               178.0};  // also article's text, and a page of two columns
+constexpr double kBetween_mm = 1.4;     // columns, with \tabcolsep of 2 pt
+
+// A size of letters, and how wide a character of it is on average.
+struct LetterSize {
+  const char* name;
+  double letter_mm;
+};
+constexpr std::array kSizes{LetterSize{"footnotesize", 1.45}, LetterSize{"scriptsize", 1.38}};
+
+// One cell as it is set, and how many characters wide it looks.
+struct LatexCell {
+  std::string text;
+  std::size_t width = 0;
+};
+
+// "9.6 ± 0.4"; an interval that is not about the value keeps both ends.
+LatexCell number_cell(const TableValue& value, bool has_interval) {
+  if (value.number && !std::isfinite(*value.number)) return {"--", 1};
+  const std::string number = printed(value);
+  std::string text = latex_text(number);
+  std::size_t width = width_of(number);
   if (value.mark == TableValue::Mark::best) text = "\\textbf{" + text + "}";
   if (value.mark == TableValue::Mark::like_best) text += "\\ensuremath{{}^{\\approx}}";
-  if (const std::string interval = printed_interval(value); !interval.empty())
-    text += " (" + latex_text(interval) + ")";
-  return value.beside.empty() ? text : text + "; " + latex_text(value.beside);
+  width += value.mark == TableValue::Mark::like_best ? 1 : 0;
+  if (!has_interval || !value.number || !std::isfinite(value.low) || !std::isfinite(value.high))
+    return {text, width};
+  const double half = 0.5 * (value.high - value.low), off = 0.5 * (value.high + value.low) - *value.number;
+  const bool is_about = std::abs(off) <= 0.05 * half + 0.01 * std::pow(10.0, -value.decimals);
+  const std::string interval =
+      is_about ? printed(TableValue::of(half, value.decimals)) : printed_interval(value);
+  return {text + (is_about ? "\\,\\ensuremath{\\pm}\\," + interval : " (" + interval + ")"),
+          width + (is_about ? 2 : 3) + width_of(interval)};
+}
+
+// The first word of all that stands beside numbers in a row, as "paper"; empty where they have none in
+// common.
+std::string beside_name(const std::vector<TableValue>& row) {
+  std::string name;
+  for (const TableValue& value : row) {
+    if (value.beside.empty()) continue;
+    const std::string word = value.beside.substr(0, value.beside.find(' '));
+    if (!name.empty() && word != name) return {};
+    name = word;
+  }
+  return name;
+}
+
+// The rows of a table, the first so many columns with intervals; what stands beside numbers has a row of its
+// own below.
+std::vector<std::vector<LatexCell>> latex_rows(const Table& table, const std::vector<std::size_t>& order,
+                                               std::size_t with_intervals) {
+  const std::size_t count =
+      table.first_rows > 0 ? std::min(table.first_rows, table.rows.size()) : table.rows.size();
+  std::vector<std::vector<LatexCell>> rows(1);
+  for (const std::size_t c : order) {
+    const std::string header = header_of(table.columns[c]);
+    rows[0].push_back({latex_text(header), width_of(header)});
+  }
+  for (std::size_t r = 0; r < count; ++r) {
+    const std::string beside = beside_name(table.rows[r]);
+    std::vector<LatexCell> row, below;
+    for (const std::size_t c : order) {
+      const TableValue& value = table.rows[r][c];
+      row.push_back(number_cell(value, row.size() < with_intervals));
+      const std::string text = beside.empty()
+                                   ? value.beside
+                                   : value.beside.substr(std::min(value.beside.size(), beside.size() + 1));
+      below.push_back(c == order.front() ? LatexCell{"\\quad " + latex_text(beside), 2 + width_of(beside)}
+                                         : LatexCell{latex_text(text), width_of(text)});
+      if (beside.empty() && !value.beside.empty()) {
+        row.back().text += "; " + latex_text(value.beside);
+        row.back().width += 2 + width_of(value.beside);
+      }
+    }
+    rows.push_back(std::move(row));
+    if (!beside.empty()) rows.push_back(std::move(below));
+  }
+  return rows;
 }
 
 }  // namespace
 
-std::string latex_of(const Table& table) {
-  constexpr std::size_t kLong = 24;  // characters of a text that is broken into lines
-  std::string alignment, head;
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    std::size_t width = 0;
-    for (const auto& row : table.rows) width = std::max(width, width_of(printed(row[c])));
-    const bool is_text = table.columns[c].is_text;
-    alignment += is_text && width > kLong ? "p{45mm}" : is_text ? "l" : "r";
-    head += (c ? " & " : "") + latex_text(header_of(table.columns[c]));
+namespace {
+
+// The table in these rows; nothing where it is too wide for a page.
+std::optional<std::string> tabular_of(const Table& table, const std::vector<std::size_t>& order,
+                                      const std::vector<std::vector<LatexCell>>& rows) {
+  std::size_t letters = 0;
+  std::string alignment, body;
+  for (std::size_t c = 0; c < order.size(); ++c) {
+    std::size_t widest = 0;
+    for (const auto& row : rows) widest = std::max(widest, row[c].width);
+    letters += widest;
+    alignment += table.columns[order[c]].is_text ? "l" : "r";
   }
-  head = "\\toprule\n" + head + " \\\\\n\\midrule\n";
-  std::string text = "{\\sloppy\n\\begin{longtable}{" + alignment + "}\n\\caption{" +
-                     latex_text(table.title) + "}\\label{tab:" + table.id + "}\\\\\n" + head +
-                     "\\endfirsthead\n" + head + "\\endhead\n\\bottomrule\n\\endlastfoot\n";
-  for (const auto& row : table.rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) text += (c ? " & " : "") + latex_of(row[c]);
-    text += " \\\\\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t c = 0; c < rows[r].size(); ++c) body += (c ? " & " : "") + rows[r][c].text;
+    body += r == 0 ? " \\\\\n\\midrule\n" : " \\\\\n";
   }
-  text += "\\end{longtable}\n";
-  for (const std::string& note : table.notes) text += "\\noindent " + latex_text(note) + "\\par\n";
-  return text + "}\n";
+  std::string notes;
+  for (const std::string& note : std::span(table.notes).first(std::min(table.notes.size(), kMaxNotes)))
+    notes += "\\par\\smallskip\\raggedright\\scriptsize " + latex_text(note) + "\n";
+  for (const double room_mm : kRooms_mm)
+    for (const LetterSize& size : kSizes) {
+      const double width_mm =
+          size.letter_mm * static_cast<double>(letters) + kBetween_mm * static_cast<double>(order.size());
+      if (width_mm > room_mm) continue;
+      const std::string kind = room_mm == kOneColumn_mm ? "table" : "table*";
+      return fmt::format(
+          "\\begin{{{0}}}\n\\centering\\{1}\\setlength{{\\tabcolsep}}{{2pt}}\n\\caption{{{2}}}\\label{{tab:{"
+          "3}}}\n"
+          "\\begin{{tabular}}{{{4}}}\n\\toprule\n{5}\\bottomrule\n\\end{{tabular}}\n{6}\\end{{{0}}}\n",
+          kind, size.name, latex_text(table.title), table.id, alignment, body, notes);
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> latex_of(const Table& table) {
+  if (table.first_rows == 0 && table.rows.size() > kMaxRows) return std::nullopt;
+  const std::vector<std::size_t> order = shown_order(table);
+  for (const std::size_t with_intervals : {order.size(), std::size_t{2}, std::size_t{0}})
+    if (auto text = tabular_of(table, order, latex_rows(table, order, with_intervals))) return text;
+  return std::nullopt;
 }
 
 }  // namespace trilat

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <string_view>
 
@@ -77,6 +78,15 @@ std::string printed(double number, int decimals) {
 
 std::string printed(const TableValue& value) {
   return value.number ? printed(*value.number, value.decimals) : value.text;
+}
+
+std::vector<std::size_t> shown_order(const Table& table) {
+  std::vector<std::size_t> order(table.columns.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto names = std::ranges::find_if(order, [&](std::size_t c) { return !table.columns[c].is_text; });
+  std::stable_partition(names, order.end(),
+                        [&](std::size_t c) { return table.columns[c].key.starts_with("average_"); });
+  return order;
 }
 
 std::string printed_interval(const TableValue& value) {

@@ -23,6 +23,10 @@ std::string printed(const TableValue& value);
 // "3.5 to 4.4"; empty where there is none.
 std::string printed_interval(const TableValue& value);
 
+// The order in which a page and an article show the columns: averages behind the names of the rows, where a
+// narrow screen shows them.
+std::vector<std::size_t> shown_order(const Table& table);
+
 std::string markdown_of(const Table& table);
 
 // Title and rows for a terminal: the first rows where a table has many, and the first and the last columns as

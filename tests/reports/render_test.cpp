@@ -74,7 +74,7 @@ TEST(Csv, FollowsRfc4180WithFullPrecisionAndEmptyFieldsForNaN) {
 }
 
 TEST(Latex, SpecialCharactersAreEscaped) {
-  const std::string text = latex_of(table_with("& % $ # _ { } ~ ^ \\ < >"));
+  const std::string text = *latex_of(table_with("& % $ # _ { } ~ ^ \\ < >"));
   EXPECT_THAT(text, HasSubstr("\\& \\% \\$ \\# \\_ \\{ \\} \\textasciitilde{} \\textasciicircum{} "
                               "\\textbackslash{} \\textless{} \\textgreater{} & 1.0 \\\\"));
 }
@@ -82,16 +82,57 @@ TEST(Latex, SpecialCharactersAreEscaped) {
 TEST(Latex, ALineBreakInATextDoesNotEndTheParagraph) {
   Table table = table_with("a\n\nb");
   table.title = "one\n\ntwo";
-  EXPECT_THAT(latex_of(table), Not(HasSubstr("\n\n")));
+  EXPECT_THAT(*latex_of(table), Not(HasSubstr("\n\n")));
 }
 
 TEST(Latex, ATableEnvironmentHoldsCaptionLabelAndEveryRow) {
-  const std::string text = latex_of(small_table());
-  EXPECT_THAT(text, HasSubstr("\\begin{longtable}{lr}\n\\caption{A table}\\label{tab:small}"));
+  const std::string text = *latex_of(small_table());
+  EXPECT_THAT(text, HasSubstr("\\begin{table}\n\\centering\\footnotesize"));
+  EXPECT_THAT(text, HasSubstr("\\caption{A table}\\label{tab:small}\n\\begin{tabular}{lr}\n\\toprule\n"));
   EXPECT_THAT(text, HasSubstr("joint & MAE (cm) \\\\\n\\midrule\n"));
   EXPECT_THAT(text, HasSubstr("\nhead & 0.33 \\\\\n"));
-  EXPECT_THAT(text, HasSubstr("\nx & -- \\\\\n\\end{longtable}\n"));
-  EXPECT_THAT(text, HasSubstr("Another.\\par\n"));
+  EXPECT_THAT(text, HasSubstr("\nx & -- \\\\\n\\bottomrule\n\\end{tabular}\n"));
+  EXPECT_THAT(text, HasSubstr("Another.\n\\end{table}\n"));
+}
+
+TEST(Latex, ValuesHaveHalfTheirIntervalAndWhatIsPrintedARowOfItsOwn) {
+  Table table = small_table();
+  const auto value = [](double number, double low, double high) {
+    TableValue cell = TableValue::of(number, 1);
+    cell.low = low;
+    cell.high = high;
+    return cell;
+  };
+  table.rows = {{TableValue::of("a"), value(9.61, 9.2, 10.02)},
+                {TableValue::of("b"), value(98.0, 90.0, 99.5)}};
+  table.rows[0][1].beside = "paper 8.7";
+  table.rows[0][1].mark = TableValue::Mark::best;
+  const std::string text = *latex_of(table);
+  EXPECT_THAT(text, HasSubstr("a & \\textbf{9.6}\\,\\ensuremath{\\pm}\\,0.4 \\\\\n\\quad paper & 8.7 \\\\\n"));
+  EXPECT_THAT(text, HasSubstr("b & 98.0 (90.0 to 99.5) \\\\\n"));
+}
+
+TEST(Latex, TakesThePagesColumnsInTheirOrderAsWideAsTheyNeed) {
+  Table table;
+  table.id = "wide";
+  table.columns = {{"method", "method", true}};
+  table.rows = {{TableValue::of("mean")}};
+  const auto add = [&](const std::string& key) {
+    table.columns.push_back({key, key});
+    table.rows[0].push_back(TableValue::of(1.0, 1));
+  };
+  add("head");
+  add("average_mae_cm");
+  EXPECT_THAT(*latex_of(table), HasSubstr("method & average\\_mae\\_cm (cm) & head"));
+  for (int k = 0; k < 12; ++k) add("column");
+  EXPECT_THAT(*latex_of(table), HasSubstr("\\begin{table*}"));
+  for (int k = 0; k < 12; ++k) add("column");
+  EXPECT_FALSE(latex_of(table));
+  table.columns.resize(2);
+  table.rows.assign(46, {TableValue::of("mean"), TableValue::of(1.0, 1)});
+  EXPECT_FALSE(latex_of(table));
+  table.first_rows = 8;
+  EXPECT_TRUE(latex_of(table));
 }
 
 TEST(Render, MarkdownShowsWhatANameHoldsAndRunsNoneOfIt) {
@@ -108,14 +149,9 @@ TEST(Render, CsvTextsAreNoFormulas) {
 }
 
 TEST(Render, LatexCompilesWhateverANameHolds) {
-  EXPECT_THAT(latex_of(table_with("\u6D4B\u8BD5 \u00B5 \u2264 \u00E4")),
+  EXPECT_THAT(*latex_of(table_with("\u6D4B\u8BD5 \u00B5 \u2264 \u00E4")),
               HasSubstr("[U+6D4B][U+8BD5] \\ensuremath{\\mu} \\ensuremath{\\leq} \u00E4"));
-  EXPECT_THAT(latex_of(table_with("\xff")), HasSubstr("[U+FFFD]"));
-}
-
-TEST(Render, LatexBreaksLongTextsIntoLines) {
-  EXPECT_THAT(latex_of(table_with("what needs more than a line of its own")),
-              HasSubstr("{longtable}{p{45mm}r}"));
+  EXPECT_THAT(*latex_of(table_with("\xff")), HasSubstr("[U+FFFD]"));
 }
 
 TEST(Html, SentencesMarkCodeAndBoldAndCloseWhatIsOpen) {

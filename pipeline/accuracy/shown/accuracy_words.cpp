@@ -79,12 +79,21 @@ void add_error_notes(const ResultsSummary& s, const std::string& condition, cons
   add_take_notes(s, table);
 }
 
+namespace {
+
+// A text of a check may be a question.
+std::string sentence_of(const TakeNote& note) {
+  const std::string text = note.place + ": " + note.text;
+  return text.ends_with('?') || text.ends_with('.') ? text : text + ".";
+}
+
+}  // namespace
+
 void add_take_notes(const ResultsSummary& summary, Table& table) {
   for (const TakeNote& note : summary.notes)
-    table.notes.push_back(fmt::format(
-        "{}{}: {}.",
-        note.take.empty() ? "" : fmt::format("Take {}{}: ", note.take, note.failed ? " failed" : ""),
-        note.place, note.text));
+    table.notes.push_back(
+        (note.take.empty() ? "" : fmt::format("Take {}{}: ", note.take, note.failed ? " failed" : "")) +
+        sentence_of(note));
 }
 
 std::string error_text(const SummaryCell& c) {
@@ -198,12 +207,12 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
   const auto notes = std::ranges::count(s.notes, false, &TakeNote::failed);
   for (const TakeNote& note : s.notes)
     if (note.failed && with_notes)
-      warnings.push_back(fmt::format("Take {} failed: {}: {}.", note.take, note.place, note.text));
+      warnings.push_back(fmt::format("Take {} failed: {}", note.take, sentence_of(note)));
   const auto noted = std::ranges::find(s.notes, false, &TakeNote::failed);
   if (notes > 0 && with_notes)
-    warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}: {}.", notes,
+    warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}", notes,
                                    notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
-                                   noted->place, noted->text));
+                                   sentence_of(*noted)));
   if (s.participants < 6)
     warnings.push_back(
         fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
