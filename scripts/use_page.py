@@ -213,9 +213,15 @@ def phone(page, pictures):
             driver.execute_script("document.querySelector(arguments[0]).scrollIntoView()", selector)
             time.sleep(1.5)
             driver.save_screenshot(str(pictures / f"{name}.png"))
-        figure = driver.execute_script("const box = document.querySelector('figure .pan');"
-                                       "return [box.scrollWidth, box.clientWidth]")
-        assert figure[0] > 650 and figure[1] <= 390, f"figures are read by panning: {figure}"
+        figure = driver.execute_script("const box = document.querySelector('figure.stacks .pan');"
+                                       "return [box.scrollWidth, box.clientWidth, box.clientHeight]")
+        assert figure[0] == figure[1] <= 390 < figure[2], f"panels of the first figure stand below each other: {figure}"
+        figure = driver.execute_script("const box = document.querySelector('figure:not(.stacks) .pan');"
+                                       "return box && [box.scrollWidth, box.clientWidth]")
+        assert not figure or (figure[0] > 650 and figure[1] <= 390), f"other figures are read by panning: {figure}"
+        hints = driver.execute_script("return [...document.querySelectorAll('.table')].filter(t => { const b = t.querySelector('.scroll');"
+                                      "return b && b.scrollWidth > b.clientWidth + 4 && !t.classList.contains('wide'); }).length")
+        assert hints == 0, f"{hints} tables hide columns and do not say so"
         widths = driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
         assert widths[0] <= widths[1] <= 390, f"the page scrolls sideways: {widths}"
         check_silence(driver)
