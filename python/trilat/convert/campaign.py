@@ -216,5 +216,5 @@ def write_campaign(arguments: argparse.Namespace, name: str, takes: list[Take], 
               f"{min(r['correlation'] for r in report):.2f} at least\n{note}")
         for line in left_out:
             print(f"left out: {line}")
-        print(f"next: trilat run STUDY.json --campaign {shlex.quote(str(output))} -o results")
+        print(f"next: trilat run one_sensor --campaign {shlex.quote(str(output))} -o results")
     return int(bool(left_out))
