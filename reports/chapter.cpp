@@ -51,7 +51,7 @@ Chapter read_chapter(const std::filesystem::path& path, bool paper) {
   if (!stored || !figures)
     throw InputError(path.string(), fmt::format("holds no {}: an older program made it; run its study again",
                                                 stored ? StoredFigures::kFile : StoredTables::kFile));
-  Chapter chapter{.provenance = read_provenance(path, head.study, head.campaign),
+  Chapter chapter{.provenance = read_provenance(path, head.kind, head.study, head.campaign),
                   .results = path,
                   .asked = stored->asked,
                   .title = stored->title,

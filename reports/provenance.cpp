@@ -65,11 +65,11 @@ std::string folder_name(const std::filesystem::path& folder) {
   return whole_path(folder).filename().string();
 }
 
-Provenance read_provenance(const std::filesystem::path& results, const std::string& study,
+Provenance read_provenance(const std::filesystem::path& results, StudyKind kind, const std::string& study,
                            const std::string& campaign) {
   Provenance provenance;
   provenance.folder = folder_name(results);
-  provenance.kind = results_kind(results);
+  provenance.kind = kind;
   provenance.study = study;
   provenance.campaign = campaign;
   if (const auto path = results / "manifest.json"; std::filesystem::exists(path))

@@ -33,7 +33,7 @@ struct Provenance {
 
 // Reads both files. InputError when one is of another version, and when the manifest is not of the run that
 // summary.json is of: another kind, or a study or campaign of another name. What is not there stays empty.
-Provenance read_provenance(const std::filesystem::path& results, const std::string& study,
+Provenance read_provenance(const std::filesystem::path& results, StudyKind kind, const std::string& study,
                            const std::string& campaign);
 
 // The folder without dots and slashes that say nothing.

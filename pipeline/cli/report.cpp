@@ -55,7 +55,10 @@ std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem:
 OutputMark report_mark(const std::vector<std::filesystem::path>& results) {
   OutputMark mark{"report", {}};
   for (const std::filesystem::path& folder : results)
-    mark.names.push_back(read_results_json(folder).value("study", ""));
+    if (const auto manifest = folder / "manifest.json"; std::filesystem::exists(manifest))
+      mark.names.push_back(read_json(manifest).value("/study/name"_json_pointer, ""));
+    else
+      mark.names.push_back(read_results_json(folder).value("study", ""));
   return mark;
 }
 
