@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -129,14 +130,36 @@ PointEstimate solve_single_sensor(std::span<const JointObservation> observations
                           : failed_estimate(SolveStatus::no_observation);
 }
 
+namespace {
+
+// The position that the mean leaves out, as MeanOptions::outlier_m says; nothing where there is none.
+std::optional<std::size_t> outlier_of(std::span<const JointObservation> observations,
+                                      const MeanOptions& options) {
+  if (!(options.outlier_m > 0.0)) return std::nullopt;
+  const PointEstimate median = solve_median(observations, {.allowed = options.allowed});
+  std::optional<std::size_t> farthest;
+  double limit_m = options.outlier_m;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (!options.allowed[i] || !observations[i].seen) continue;
+    const double away_m = (observations[i].point_in_world_m - median.position_m).norm();
+    if (!(away_m > limit_m)) continue;
+    limit_m = away_m;
+    farthest = i;
+  }
+  return farthest;
+}
+
+}  // namespace
+
 PointEstimate solve_mean(std::span<const JointObservation> observations, const MeanOptions& options) {
   TRILAT_CHECK(observations.size() <= kMaxSensors, "the rig is within the capacity");
+  const std::optional<std::size_t> outlier = outlier_of(observations, options);
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d tracked_sum_m = Eigen::Vector3d::Zero();
   int seen = 0;
   int tracked = 0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!options.allowed[i] || !observations[i].seen) continue;
+    if (!options.allowed[i] || !observations[i].seen || i == outlier) continue;
     sum_m += observations[i].point_in_world_m;
     ++seen;
     if (observations[i].state != TrackingState::tracked) continue;

@@ -22,6 +22,8 @@ struct MeanOptions {
   SensorMask allowed = kAllSensors;
   // Average only those that are tracked rather than inferred; when none is, all that see the joint.
   bool prefer_tracked = false;
+  // The position farthest from the median of all is left out where it is farther than this; 0: none is.
+  double outlier_m = 0.0;
 };
 [[nodiscard]] PointEstimate solve_mean(std::span<const JointObservation> observations,
                                        const MeanOptions& options);

@@ -83,6 +83,15 @@ TEST(Median, OneWrongSensorMovesTheMeanFarAndItLittle) {
   EXPECT_LT(solve_median(seen, {}).position_m.norm(), 0.02);
 }
 
+TEST(Mean, LeavesOutTheOneFarthestFromTheMedianBeyondALimit) {
+  const std::vector<JointObservation> seen{at({0, 0, 0}), at({0.03, 0, 0}), at({0, 0, 0.2}),
+                                           at({0, 0.17, 0})};
+  EXPECT_NEAR(solve_mean(seen, {.outlier_m = 0.15}).position_m.z(), 0.0, 1e-12);  // one alone
+  EXPECT_NEAR(solve_mean(seen, {.outlier_m = 0.15}).position_m.y(), 0.17 / 3, 1e-12);
+  EXPECT_EQ(solve_mean(seen, {.outlier_m = 0.3}).position_m, solve_mean(seen, {}).position_m);
+  EXPECT_EQ(solve_mean({}, {.outlier_m = 0.15}).status, SolveStatus::no_observation);
+}
+
 TEST(Median, AllowsOnlyTheSensorsOfTheMask) {
   const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}), at({2, 0, 0})};
   EXPECT_EQ(solve_median(seen, {.allowed = SensorMask(0b110)}).position_m, Vector3d(1.5, 0, 0));

@@ -64,6 +64,28 @@ TEST(Study, EveryKindOfMethodIsAWholeRow) {
   }
 }
 
+// Of four sensors the second infers the joint, and equation 8 finds a bone before the third.
+TEST(Study, RulesOfOcclusionLeaveTheirOwnSensorsOut) {
+  std::vector<JointObservation> seen(4);
+  for (JointObservation& o : seen) {
+    o.seen = true;
+    o.state = TrackingState::tracked;
+  }
+  seen[1].state = TrackingState::inferred;
+  JointInstant instant;
+  instant.observations = seen;
+  instant.occlusions[static_cast<std::size_t>(OcclusionRule::printed)][2] = 1;
+  const auto used = [&](const std::string& rule) {
+    const StudySpec study = study_of(R"("methods": [{"method": "nonlinear", "occlusion": )" + rule + "}]");
+    return sensors_of(resolve_methods(study, {"k1", "k2", "k3", "k4"}).front(), instant).to_ulong() & 0b1111;
+  };
+  EXPECT_EQ(used(R"("off")"), 0b1111U);
+  EXPECT_EQ(used(R"("inferred")"), 0b1101U);
+  EXPECT_EQ(used(R"("printed")"), 0b1001U);
+  EXPECT_EQ(used(R"("printed", "inferred_is_occluded": false)"), 0b1011U);
+  EXPECT_EQ(used(R"("inferred", "fewest_sensors": 4)"), 0b1111U);
+}
+
 TEST(Study, WhatIsWrittenOutIsReadAsTheSameForEveryKindOfMethod) {
   std::string methods;
   for (const MethodKind& row : method_kinds())

@@ -162,8 +162,9 @@ SensorMask sensors_of(const Method& method, const JointInstant& instant) {
   for (std::size_t s = 0; s < instant.observations.size(); ++s) {
     const JointObservation& o = instant.observations[s];
     seen[s] = o.seen && method.allowed[s];
+    const bool counts_inferred = spec.inferred_is_occluded || spec.occlusion == OcclusionRule::inferred;
     counts[s] = instant.occlusions[static_cast<std::size_t>(spec.occlusion)][s] +
-                (spec.inferred_is_occluded && o.state == TrackingState::inferred ? 1 : 0);
+                (counts_inferred && o.state == TrackingState::inferred ? 1 : 0);
   }
   return select_unoccluded(std::span(counts).first(instant.observations.size()), seen, spec.fewest_sensors);
 }

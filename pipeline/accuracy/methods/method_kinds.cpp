@@ -200,8 +200,15 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "the mean of the sensors' positions of the joint",
        .source = "baseline",
        .needs_ranges = false,
-       .evaluate = [](const Method&, const JointInstant& instant,
-                      SensorMask sensors) { return solve_mean(instant.observations, {.allowed = sensors}); }},
+       .settings =
+           [](Settings& s, MethodSpec& m) {
+             s("outlier_m", m.mean.outlier_m, {0.0, 10.0},
+               "the position farthest from the median is left out where it is farther than this; 0: none is");
+           },
+       .evaluate =
+           [](const Method& m, const JointInstant& instant, SensorMask sensors) {
+             return solve_mean(instant.observations, among(m.spec.mean, sensors));
+           }},
       {.name = "tracked_mean",
        .what = "the mean of those that are tracked, where any is",
        .source = "baseline",

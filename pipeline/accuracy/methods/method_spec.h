@@ -20,9 +20,9 @@ namespace trilat {
 struct MethodKind;
 
 // Which sensors a method leaves out because they see a joint occluded: by crossing limbs as the paper prints
-// it (eq. 8), or by crossing limbs in the perspective image.
-enum class OcclusionRule : std::uint8_t { off, printed, corrected };
-inline constexpr std::size_t kOcclusionRules = 3;
+// it (eq. 8), by crossing limbs in the perspective image, or those alone that infer the joint.
+enum class OcclusionRule : std::uint8_t { off, printed, corrected, inferred };
+inline constexpr std::size_t kOcclusionRules = 4;
 const std::vector<std::string>& occlusion_rule_names();
 
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own
@@ -42,6 +42,7 @@ struct MethodSpec {
   bool inferred_is_occluded = true;  // an inferred joint counts as one crossing more
   int fewest_sensors = 1;            // those with the fewest crossings come back until there are as many
   RangeBearingOptions range_bearing;
+  MeanOptions mean;                 // without its sensors
   bool sigma_is_estimated = false;  // range_bearing: from the take itself, without truth
   // How the sensors stand and measure is corrected by what the take shows of it, without truth.
   bool calibration_is_estimated = false;
