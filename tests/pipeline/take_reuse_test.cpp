@@ -99,6 +99,7 @@ TEST(Reuse, EverySettingThatDecidesSamplesIsInTheKeyAndNoOther) {
       {"clock", R"("motion")"},
       {"clock_search_s", "1"},
       {"repair_exchanges", "false"},
+      {"frames", R"("newest")"},
       {"clock_error_s", "0.01"},
       {"methods", R"([{"method": "nonlinear", "max_iterations": 7}])"}};
   const std::map<std::string, std::string> others{

@@ -18,6 +18,7 @@ namespace {
 constexpr const char* kFormat = "trilat.study";
 const std::vector<std::string> kAlignments{"none", "first", "mean", "rigid", "held_out", "joint_offset"};
 const std::vector<std::string> kClocks{"stated", "check", "motion"};
+const std::vector<std::string> kFrames{"interpolated", "newest"};
 const std::vector<std::string> kTruths{"auto", "mocap", "left_out_sensor"};
 
 void tell_alignments(Settings& s, std::vector<AlignmentKind>& kinds) {
@@ -67,6 +68,13 @@ void tell(Settings& s, StudySpec& spec) {
   s.positive("rate_hz", spec.rate_hz, "of the instants that are evaluated");
   s.positive("sensor_gap_s", spec.sensor_gap_s, "no sensor is interpolated across a longer gap");
   s.positive("truth_gap_s", spec.truth_gap_s, "nor is the truth");
+  s.choice(
+      "frames", spec.frames, kFrames,
+      "what a sensor says at an instant: interpolated between the frames around it, or the newest that had "
+      "arrived by then, held as long as sensor_gap_s");
+  if (spec.frames == FrameChoice::newest)
+    s.positive("frame_late_s", spec.frame_late_s,
+               "a frame that arrives so long after its exposure is dropped");
   s.positive("cross_check_limit_m", spec.cross_check_limit_m, "`run --cross-check` fails beyond");
   s.choice("clock", spec.clock, kClocks,
            "whether the stated start of the truth is taken as it is, checked by motion, or corrected by it");

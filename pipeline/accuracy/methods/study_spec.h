@@ -20,6 +20,10 @@ enum class ClockSource : std::uint8_t { stated, check, motion };
 // of every method; the first of these that the campaign allows; or nothing at all, which no file asks for.
 enum class TruthSource : std::uint8_t { automatic, mocap, left_out_sensor, nothing };
 
+// What a sensor says at an instant: between the frames before and behind it, which only an offline evaluation
+// has, or the newest frame that the recorder had by then, held, as a live system has it.
+enum class FrameChoice : std::uint8_t { interpolated, newest };
+
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
 struct StudySpec {
   std::string name;
@@ -36,6 +40,9 @@ struct StudySpec {
   // 1/30, 1/100 or 1/120 s: drift or rounding would decide whether a gap of as many frames is within it.
   double sensor_gap_s = 0.11;
   double truth_gap_s = 0.055;
+  FrameChoice frames = FrameChoice::interpolated;
+  double frame_late_s =
+      0.033;  // frames: newest; one that arrives later after its exposure is dropped (paper)
   // `run --cross-check` fails beyond: where the rig is nearly flat, rounding of the cost alone moves a
   // minimum by 1e-7.
   double cross_check_limit_m = 1e-6;

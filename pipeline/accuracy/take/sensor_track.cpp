@@ -95,7 +95,7 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
   for (std::uint64_t first = 0; first < rows; first += kBlockRows) {
     if (stop_requested && stop_requested()) throw Interrupted();
     for (const BodyFrame& row : session.body_frames(sensor, first, std::min(kBlockRows, rows - first))) {
-      SensorFrame frame{host_from_sensor(row.stamp), {}};
+      SensorFrame frame{host_from_sensor(row.stamp), host_from_sensor.agent({row.stamp.arrival_ns}), {}};
       if (!frames.empty() && frame.time <= frames.back().time) {
         ++result.not_later;
         continue;
@@ -134,6 +134,18 @@ ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration l
   const double share =
       static_cast<double>((t - before.time).ns) / static_cast<double>((after->time - before.time).ns);
   return between(chosen_body(before, wanted), chosen_body(*after, wanted), share);
+}
+
+ObservedBody newest_body(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap, Duration late,
+                         const std::set<std::uint64_t>* wanted) {
+  auto frame = std::ranges::upper_bound(
+      frames, t, [](HostTime a, HostTime b) { return a < b; }, &SensorFrame::time);
+  while (frame != frames.begin()) {
+    --frame;
+    if (t - frame->time > longest_gap) return {};
+    if (frame->arrived <= t && frame->arrived - frame->time <= late) return chosen_body(*frame, wanted);
+  }
+  return {};
 }
 
 }  // namespace trilat

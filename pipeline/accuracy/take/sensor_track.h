@@ -21,7 +21,8 @@ struct SeenBody {
 
 // Everybody whom one sensor sees at one time.
 struct SensorFrame {
-  HostTime time;
+  HostTime time;     // of exposure
+  HostTime arrived;  // at its machine, on the host clock
   std::span<const SeenBody> bodies;
 };
 
@@ -51,5 +52,10 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
 // is given.
 ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap,
                      const std::set<std::uint64_t>* wanted = nullptr);
+
+// The same of the newest frame that had arrived by `t`, held for `longest_gap` from its exposure. Frames that
+// arrived more than `late` after their exposure are dropped, as the paper's server drops them.
+ObservedBody newest_body(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap, Duration late,
+                         const std::set<std::uint64_t>* wanted = nullptr);
 
 }  // namespace trilat

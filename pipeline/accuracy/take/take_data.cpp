@@ -56,10 +56,15 @@ void append(TakeChecks more, TakeData& data) {
 BodyTracks follow(const Plan& plan, const RigBodies& seen, const PersonChoice* person,
                   const std::vector<HostTime>& time) {
   const Duration gap = duration_from_s(plan.study.sensor_gap_s);
+  const Duration late = duration_from_s(plan.study.frame_late_s);
+  const bool is_newest = plan.study.frames == FrameChoice::newest;
   BodyTracks bodies(time.size(), seen.size());
-  for (std::size_t s = 0; s < seen.size(); ++s)
+  for (std::size_t s = 0; s < seen.size(); ++s) {
+    const std::set<std::uint64_t>* wanted = person ? &person->identities[s] : nullptr;
     for (std::size_t i = 0; i < time.size(); ++i)
-      bodies.at(i, s) = body_at(seen[s].frames, time[i], gap, person ? &person->identities[s] : nullptr);
+      bodies.at(i, s) = is_newest ? newest_body(seen[s].frames, time[i], gap, late, wanted)
+                                  : body_at(seen[s].frames, time[i], gap, wanted);
+  }
   return bodies;
 }
 
