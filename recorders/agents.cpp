@@ -17,7 +17,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLookPeriod{50};
 constexpr milliseconds kAckPeriod{200};
 constexpr std::uint64_t kMaxUnsynced_bytes = std::uint64_t{4} << 20;
 constexpr std::size_t kMaxConnections = 128;
@@ -76,7 +75,7 @@ void Agents::add_notice(const std::string& text) {
 
 void Agents::accept_all() {
   while (!ended_) {
-    auto accepted = std::shared_ptr<ByteStream>(listener_->accept(kLookPeriod));
+    auto accepted = std::shared_ptr<ByteStream>(listener_->accept(kPollPeriod));
     connections_.remove_if([](Connection& connection) {
       if (connection.done) connection.thread.join();
       return connection.done.load();
@@ -113,7 +112,7 @@ void Agents::serve(ByteStream& stream) {
     const Clock::time_point start = Clock::now();
     std::optional<Message> first;
     for (std::byte block[1 << 12]; !first && !ended_; first = reader.next()) {
-      reader.add(std::span<const std::byte>(block).first(stream.read_some(block, kLookPeriod)));
+      reader.add(std::span<const std::byte>(block).first(stream.read_some(block, kPollPeriod)));
       if (Clock::now() - start > options_.silence_limit) return;
     }
     const auto* hello = first ? std::get_if<HelloMessage>(&*first) : nullptr;
@@ -144,7 +143,7 @@ void Agents::serve(ByteStream& stream) {
 void Agents::answer_pings(ByteStream& stream, MessageReader& reader) {
   Clock::time_point heard = Clock::now();
   for (std::byte block[256]; !ended_ && Clock::now() - heard < options_.silence_limit;) {
-    const std::size_t count = stream.read_some(block, kLookPeriod);
+    const std::size_t count = stream.read_some(block, kPollPeriod);
     const std::int64_t received_ns = host_now_ns();
     if (count > 0) heard = Clock::now();
     reader.add(std::span<const std::byte>(block).first(count));
@@ -177,7 +176,7 @@ std::uint64_t Agents::enter(const HelloMessage& hello) {
       if (Clock::now() - start > kSignOfLife)
         throw Refusal{"another agent of this name is connected: give each agent a name of its own (--name)"};
     }
-    std::this_thread::sleep_for(kLookPeriod);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 
@@ -243,7 +242,7 @@ void Agents::receive(ByteStream& stream, MessageReader& reader, const HelloMessa
     bool is_welcome = false;
     Clock::time_point acknowledged{}, heard = Clock::now();
     for (std::vector<std::byte> block(kMaxSentBytes); !ended_;) {
-      const std::size_t count = stream.read_some(block, is_welcome ? milliseconds(20) : kLookPeriod);
+      const std::size_t count = stream.read_some(block, is_welcome ? milliseconds(20) : kPollPeriod);
       reader.add(std::span<const std::byte>(block).first(count));
       if (count > 0) heard = Clock::now();
       // before the recording has begun an agent has nothing to say
@@ -389,7 +388,7 @@ void Agents::drain() {
   std::uint64_t before = received();
   for (Clock::time_point progress = Clock::now();
        !all_done() && Clock::now() - progress < options_.drain_limit;) {
-    std::this_thread::sleep_for(kLookPeriod);
+    std::this_thread::sleep_for(kPollPeriod);
     if (const std::uint64_t now = received(); now != std::exchange(before, now)) progress = Clock::now();
   }
 }

@@ -18,8 +18,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPatience = std::chrono::milliseconds(50);  // between looks at the clock and the stop request
-
 double seconds_since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
 }
@@ -103,7 +101,7 @@ class Recording {
     while (!agents_->all_there()) {
       const bool stopped = options_.stop_requested && options_.stop_requested();
       if (!stopped && seconds_since(start_) < options_.wait_s) {
-        std::this_thread::sleep_for(kPatience);
+        std::this_thread::sleep_for(kPollPeriod);
         show_notices();
         continue;
       }
@@ -133,8 +131,8 @@ class Recording {
   }
 
   bool is_over() {
-    const bool own_is_over = !spool_ || spool_->wait_for_end(kPatience);
-    if (!spool_) std::this_thread::sleep_for(kPatience);
+    const bool own_is_over = !spool_ || spool_->wait_for_end(kPollPeriod);
+    if (!spool_) std::this_thread::sleep_for(kPollPeriod);
     return own_is_over && (!agents_ || stopped_ || agents_->all_done());
   }
 

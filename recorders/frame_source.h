@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +12,9 @@
 #include "datasets/session/session_types.h"
 
 namespace trilat {
+
+// Longest time between two looks at a stop request, of everything that waits for a sensor or a link.
+inline constexpr std::chrono::milliseconds kPollPeriod{50};
 
 // A depth frame as a source hands it over: kDepthPixels values in millimetres, 0 invalid.
 struct DepthFrame {

@@ -11,7 +11,6 @@ namespace trilat {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 33'333'300;
-constexpr std::chrono::nanoseconds kLookPeriod{20'000'000};
 
 std::vector<std::uint16_t> slope(std::int64_t frame) {
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
@@ -56,7 +55,8 @@ std::optional<SourceEvent> TestSource::next() {
   if (start_ns_ == 0) start_ns_ = host_now_ns();
   const std::int64_t due_ns = start_ns_ + frame_ * kPeriodNs;
   for (std::int64_t left_ns; !stopped_ && (left_ns = due_ns - host_now_ns()) > 0;)
-    std::this_thread::sleep_for(std::min(std::chrono::nanoseconds(left_ns), kLookPeriod));
+    std::this_thread::sleep_for(
+        std::min<std::chrono::nanoseconds>(std::chrono::nanoseconds(left_ns), kPollPeriod));
   if (stopped_ || frame_ >= frames_) return std::nullopt;
   const FrameStamp stamp{frame_, frame_ * kPeriodNs / header_.sensors[0].tick_ns, host_now_ns()};
   bodies_ = one_body(frame_);

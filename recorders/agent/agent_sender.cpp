@@ -68,9 +68,8 @@ std::optional<SentLog> AgentSender::log() const {
 }
 
 bool AgentSender::pause(milliseconds duration) {
-  constexpr milliseconds kLook{20};
-  for (auto left = duration; left.count() > 0 && !ended_; left -= kLook)
-    std::this_thread::sleep_for(std::min(left, kLook));
+  for (auto left = duration; left.count() > 0 && !ended_; left -= kPollPeriod)
+    std::this_thread::sleep_for(std::min(left, kPollPeriod));
   return !ended_;
 }
 
@@ -129,7 +128,7 @@ std::uint64_t AgentSender::wait_for_welcome(ByteStream& stream, MessageReader& r
                                                log ? log->recording : 0}));
   heard_ = Clock::now();
   while (!ended_) {
-    receive(stream, reader, milliseconds(50));
+    receive(stream, reader, kPollPeriod);
     try {
       while (const auto message = reader.next()) {
         if (const auto* welcome = std::get_if<WelcomeMessage>(&*message)) {
@@ -209,7 +208,7 @@ void AgentSender::exchange_stamps(ByteStream& stream) {
     const Clock::time_point start = Clock::now();
     std::byte block[256];
     while (!ended_ && Clock::now() - start < options_.silence_limit) {
-      reader.add(std::span<const std::byte>(block).first(stream.read_some(block, milliseconds(50))));
+      reader.add(std::span<const std::byte>(block).first(stream.read_some(block, kPollPeriod)));
       answered_ns = host_now_ns();
       while (const auto message = reader.next()) {
         if (const auto* pong = std::get_if<PongMessage>(&*message)) return *pong;

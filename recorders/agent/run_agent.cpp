@@ -17,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kLookPeriod{250};
+constexpr milliseconds kNewsPeriod{250};
 
 std::string name_of_log(const std::string& agent, std::uint64_t id) {
   char text[128];
@@ -71,7 +71,7 @@ class Agent {
       if (options_.stop_requested()) return false;
       if (const std::string refusal = sender_->refusal(); !refusal.empty())
         throw InputError("the recorder", refusal);
-      std::this_thread::sleep_for(milliseconds(20));
+      std::this_thread::sleep_for(kPollPeriod);
     }
     return true;
   }
@@ -95,12 +95,12 @@ class Agent {
   void record() {
     Clock::time_point looked = Clock::now(), shown = looked;
     bool stopped = false;
-    while (!spool_->wait_for_end(milliseconds(50))) {
+    while (!spool_->wait_for_end(kPollPeriod)) {
       if (!stopped && (options_.stop_requested() || (sender_ && sender_->stop_asked()))) {
         stopped = true;
         spool_->stop();
       }
-      if (Clock::now() - looked < kLookPeriod) continue;
+      if (Clock::now() - looked < kNewsPeriod) continue;
       looked = Clock::now();
       spool_->look_after();
       for (const std::string& text : spool_->take_notices()) options_.on_news(text);
@@ -155,7 +155,7 @@ class Agent {
       if (std::exchange(before, sender_->acknowledged()) != sender_->acknowledged()) progress = Clock::now();
       if (Clock::now() - progress > options_.farewell_limit || !sender_->refusal().empty()) return;
       if (sender_->recording() != recording_) return;
-      std::this_thread::sleep_for(milliseconds(20));
+      std::this_thread::sleep_for(kPollPeriod);
     }
   }
 

@@ -20,7 +20,6 @@ using kinect::ComPointer;
 using kinect::failed;
 
 constexpr const char* kPlace = "the source kinect";
-constexpr std::chrono::milliseconds kLookPeriod{100};
 constexpr std::int64_t kPeriodTicks = 333'333;
 enum Stream : std::size_t { kDepthStream, kBodyStream, kStreams };
 
@@ -99,7 +98,7 @@ void KinectSource::describe() {
       host_now_ns() + std::chrono::nanoseconds(options_.first_frame_limit).count();
   bool frames_came = false;
   for (;;) {
-    if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
+    if (runtime_.wait(arrived_, kPollPeriod)) take_frame();
     frames_came = frames_came || has_frame();
     ready_.clear();
     lost_ = 0;  // before the recording
@@ -165,7 +164,7 @@ bool KinectSource::available() {
 std::optional<SourceEvent> KinectSource::next() {
   if (last_frame_ns_ == 0) last_frame_ns_ = host_now_ns();
   while (ready_.empty() && !stopped_) {
-    if (runtime_.wait(arrived_, kLookPeriod)) take_frame();
+    if (runtime_.wait(arrived_, kPollPeriod)) take_frame();
     mind_silence();
   }
   if (ready_.empty()) return std::nullopt;

@@ -90,8 +90,8 @@ class ProcessStream : public ByteStream {
   }
 
   std::size_t read_some(std::span<std::byte> into, std::chrono::milliseconds at_most) override {
-    constexpr std::chrono::milliseconds kLook{5};
-    for (auto left = at_most;; left -= kLook) {
+    constexpr std::chrono::milliseconds kPeekPeriod{5};
+    for (auto left = at_most;; left -= kPeekPeriod) {
       DWORD there = 0;
       if (!::PeekNamedPipe(in_.handle, nullptr, 0, nullptr, &there, nullptr))
         throw LinkLost("its program has ended");
@@ -100,8 +100,8 @@ class ProcessStream : public ByteStream {
           ::ReadFile(in_.handle, into.data(), static_cast<DWORD>(std::min<std::size_t>(into.size(), there)),
                      &count, nullptr))
         return count;
-      if (left < kLook) return 0;
-      std::this_thread::sleep_for(kLook);
+      if (left < kPeekPeriod) return 0;
+      std::this_thread::sleep_for(kPeekPeriod);
     }
   }
   void write_all(std::span<const std::byte> from) override {
