@@ -108,7 +108,8 @@ TEST(Latex, ValuesHaveHalfTheirIntervalAndWhatIsPrintedARowOfItsOwn) {
   table.rows[0][1].beside = "paper 8.7";
   table.rows[0][1].mark = TableValue::Mark::best;
   const std::string text = *latex_of(table);
-  EXPECT_THAT(text, HasSubstr("a & \\textbf{9.6}\\,\\ensuremath{\\pm}\\,0.4 \\\\\n\\quad paper & 8.7 \\\\\n"));
+  EXPECT_THAT(text,
+              HasSubstr("a & \\textbf{9.6}\\,\\ensuremath{\\pm}\\,0.4 \\\\\n\\quad paper & 8.7 \\\\\n"));
   EXPECT_THAT(text, HasSubstr("b & 98.0 (90.0 to 99.5) \\\\\n"));
 }
 
