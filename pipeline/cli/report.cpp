@@ -55,7 +55,8 @@ std::vector<std::filesystem::path> results_of(const std::vector<std::filesystem:
 OutputMark report_mark(const std::vector<std::filesystem::path>& results) {
   OutputMark mark{"report", {}};
   for (const std::filesystem::path& folder : results)
-    if (const auto manifest = folder / "manifest.json"; std::filesystem::exists(manifest))
+    if (const auto manifest = folder / "manifest.json";  // small; the summary says whether they are finished
+        std::filesystem::exists(manifest) && std::filesystem::exists(folder / "summary.json"))
       mark.names.push_back(read_json(manifest).value("/study/name"_json_pointer, ""));
     else
       mark.names.push_back(read_results_json(folder).value("study", ""));
