@@ -5,6 +5,8 @@ scrubs, and looks at every figure; fails on any error of the console and any req
 import base64
 import json
 import pathlib
+import re
+import subprocess
 import sys
 import time
 
@@ -264,6 +266,21 @@ def gallery(folder, pictures):
     assert not problems, "\n".join(problems)
 
 
+def printed_figures(folder):
+    """The letters of every figure's PDF are of 8 pt, 9 pt high with what reaches above and below, and none is cut off."""
+    problems = []
+    for figure in sorted(folder.glob("*/*.pdf")):
+        boxes = subprocess.run(["pdftotext", "-bbox", figure, "-"], check=True, capture_output=True, text=True).stdout
+        width_pt, height_pt = map(float, re.search(r'<page width="([\d.]+)" height="([\d.]+)"', boxes).groups())
+        for box in re.finditer(r'<word xMin="(\S+)" yMin="(\S+)" xMax="(\S+)" yMax="(\S+)">(.*)</word>', boxes):
+            left, top, right, bottom = map(float, box.groups()[:4])
+            if left < -1 or top < -1 or right > width_pt + 1 or bottom > height_pt + 1:
+                problems.append(f"{figure.parent.name}/{figure.name}: {box[5]} is cut off")
+            if min(right - left, bottom - top) > 9.6:
+                problems.append(f"{figure.parent.name}/{figure.name}: the letters of {box[5]} are {bottom - top:.1f} pt high")
+    assert not problems, "\n".join(problems[:20])
+
+
 def main():
     page, pictures = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
     print(f"{page.name}: {page.stat().st_size / 1e6:.1f} MB")
@@ -271,6 +288,7 @@ def main():
     for use in (wide, dark, phone):
         use(page.as_uri(), pictures)
     gallery(page.parent / "figures", pictures / "gallery")
+    printed_figures(page.parent / "figures")
     print("read, sorted, scrubbed and printed; no error and no request")
 
 

@@ -77,7 +77,7 @@ std::optional<int> run_gnuplot(const std::string& argument, const std::string& s
 }
 
 // Both pictures of a figure, behind one that makes every picture begin with the same colour. They have the
-// same size: a millimetre is 96 / 25.4 px, 8 pt are 10.7 px.
+// same size: a millimetre is 96 / 25.4 px, 8 pt are 10.7 px. pdfcairo takes a point for a pixel of 96 dpi.
 std::string drawing_of(const Figure& figure, const Pictures& pictures) {
   constexpr double kPixelsPerMm = 96.0 / 25.4;
   const auto output = [&](const MemoryFile& file) { return "set output '" + file.name() + "'\n"; };
@@ -90,7 +90,7 @@ std::string drawing_of(const Figure& figure, const Pictures& pictures) {
          output(pictures.svg) + script +
          fmt::format(
              "set output\nreset session\nset terminal pdfcairo noenhanced size {}cm,{}cm font 'Helvetica,8' "
-             "fontscale 1\n",
+             "fontscale 0.75\n",
              0.1 * size.width_mm, 0.1 * size.height_mm) +
          output(pictures.pdf) + script + "set output\n";
 }
