@@ -51,6 +51,17 @@ TEST(SensorClock, AnAgentsClockThatWasSetIsRefusedWithTheTime) {
   }
 }
 
+TEST(SensorClock, AnAgentsClockThatWasSetInAShortRecordingIsRefusedToo) {
+  for (const double seconds : {6.0, 15.0, 40.0})
+    for (const double step_s : {0.06, -0.5})
+      for (const double at : {0.3, 0.5, 0.8}) {
+        const SimulatedClocks clocks{
+            .seconds = seconds, .agent_step_at_s = at * seconds, .agent_step_s = step_s};
+        EXPECT_THROW(clock_errors(clocks), InputError) << seconds << " s, " << step_s << " s, " << at;
+      }
+  EXPECT_NO_THROW(clock_errors({.seconds = 6.0}));
+}
+
 // A straight line keeps to the middle of a clock that wanders; how far off it is, is said.
 TEST(SensorClock, AClockThatLeavesItsLineIsToldWithWhatItCosts) {
   for (const double wander_ms : {0.0, 0.3, 1.0, 2.0})

@@ -102,14 +102,15 @@ struct Window {
   double sigma_ns = 0.0;
 };
 
-// Of 10 s each, longer where these hold fewer than twelve exchanges. Exchanges of more than twice the usual
-// delay are left out, and windows that keep fewer than three.
+// Of 10 s each, of a quarter of a short recording, longer where these hold fewer than twelve exchanges.
+// Exchanges of more than twice the usual delay are left out, and windows that keep fewer than three.
 std::vector<Window> windows_of(const std::vector<ClockExchange>& exchanges, const OffsetLine& line,
                                std::int64_t usual_delay_ns) {
   std::vector<Window> windows;
+  const std::int64_t length_ns = std::min(kWindow_ns, (exchanges.back().t1_ns - exchanges.front().t1_ns) / 4);
   for (auto first = exchanges.begin(), end = first; first != exchanges.end(); first = end) {
     while (end != exchanges.end() &&
-           (end->t1_ns - first->t1_ns < kWindow_ns || end - first < kMinWindowExchanges))
+           (end->t1_ns - first->t1_ns < length_ns || end - first < kMinWindowExchanges))
       ++end;
     std::vector<ClockExchange> used = least_delayed({first, end});
     std::erase_if(used, [&](const ClockExchange& e) { return delay_ns(e) > 2 * usual_delay_ns; });
@@ -145,13 +146,29 @@ void state_sigma(AgentClock& clock, const OffsetLine& line, const std::vector<Cl
   clock.drift_sigma = clock.has_drift ? std::sqrt(12.0) * clock.middle_sigma_ns / span_ns : kUnknownDrift;
 }
 
-void find_bend(AgentClock& clock, const std::vector<Window>& windows) {
-  for (const Window& w : windows) {
-    const Duration away{std::llround(std::abs(w.residual_ns))};
-    if (std::abs(w.residual_ns) <= kCertainSigmas * w.sigma_ns || away <= clock.bend) continue;
-    clock.bend = away;
-    clock.bend_after = AgentTime{w.agent_ns} - clock.first;
-  }
+// What the noise of windows does not explain, and what no delay does: three exchanges in a row that lie to
+// one side by more than half of their own delay, as behind the moment at which a clock was set.
+void find_bend(AgentClock& clock, const OffsetLine& line, const std::vector<ClockExchange>& exchanges,
+               const std::vector<Window>& windows) {
+  const auto take = [&](double away_ns, std::int64_t agent_ns) {
+    if (const Duration away{std::llround(away_ns)}; away > clock.bend) {
+      clock.bend = away;
+      clock.bend_after = AgentTime{agent_ns} - clock.first;
+    }
+  };
+  for (const Window& w : windows)
+    if (std::abs(w.residual_ns) > kCertainSigmas * w.sigma_ns) take(std::abs(w.residual_ns), w.agent_ns);
+  constexpr std::size_t kInARow = 3;
+  for (const double side : {1.0, -1.0})
+    for (std::size_t i = 0, row = 0; i < exchanges.size(); ++i) {
+      const auto beyond_ns = [&](const ClockExchange& e) {
+        return side * line.residual_ns(e) - 0.5 * static_cast<double>(delay_ns(e));
+      };
+      row = beyond_ns(exchanges[i]) > 0.0 ? row + 1 : 0;
+      if (row < kInARow) continue;
+      take(std::min({beyond_ns(exchanges[i]), beyond_ns(exchanges[i - 1]), beyond_ns(exchanges[i - 2])}),
+           exchanges[i - 2].t2_ns);
+    }
 }
 
 }  // namespace
@@ -192,7 +209,7 @@ AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges) {
   for (const ClockExchange& e : used) usual_delay_ns = std::max(usual_delay_ns, delay_ns(e));
   const std::vector<Window> windows = windows_of(sound, line, usual_delay_ns);
   state_sigma(clock, line, used, windows);
-  find_bend(clock, windows);
+  find_bend(clock, line, sound, windows);
   return clock;
 }
 

@@ -33,7 +33,7 @@ struct AgentClock {
   // Standard deviations: of the clock about its line, of the line at its middle, of its drift.
   double wander_sigma_ns = 0.0, middle_sigma_ns = 0.0, drift_sigma = 0.0;
   std::int64_t bound_ns = 0;  // half the delay of the exchanges used and their distance from the line
-  // Largest distance of some ten seconds from the line that their noise does not explain, and where.
+  // Largest distance from the line of some seconds that neither noise nor delays explain, and where.
   Duration bend;
   Duration bend_after;  // since `first`
 
