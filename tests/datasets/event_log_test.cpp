@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/philox.h"
+#include "datasets/session/clock/agent_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/write_session.h"
 #include "tests/datasets/made_session.h"
@@ -367,6 +368,38 @@ TEST(WriteSession, TheGapBeforeALogWithoutFramesCounts) {
   const LogsWritten written = write_session({{folder / "1"}, {folder / "0"}}, folder / "s.h5");
   EXPECT_NEAR(static_cast<double>(written.sensors.at(0).drops.at_source), 149.0, 2.0);
   EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 1u);
+}
+
+// The computer of an agent was started anew in the middle of a recording: its monotonic clock began again,
+// and its wall clock was 2 s off. What it exchanged with the recorder tells how both clocks stand.
+TEST(WriteSession, AComputerThatWasStartedAnewIsPlacedByItsExchanges) {
+  const ScratchFolder folder;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  for (std::int64_t run = 0; run < 2; ++run) {
+    LogHead head = new_log_head(header_of(1), 9, "left");
+    const std::int64_t host_ns = (100 + 20 * run) * kSecond, ahead_ns = (run == 0 ? 1000 : -90) * kSecond;
+    head.start_ns = host_ns + ahead_ns;
+    head.start_unix_ns = 1'700'000'000 * kSecond + host_ns + run * 2 * kSecond;
+    EventLogWriter log(folder / std::to_string(run), head);
+    for (std::int64_t i = 0; i < 20; ++i) {
+      const std::int64_t t1_ns = host_ns + i * kSecond / 4, t2_ns = t1_ns + 100'000 + ahead_ns;
+      log.append(0, ClockExchange{t1_ns, t2_ns, t2_ns + 50'000, t1_ns + 250'000});
+    }
+    BodyFrame frame = body_frame_of(run, 1);
+    frame.stamp.arrival_ns = head.start_ns + kSecond;
+    log.append(0, frame);
+    log.finish();
+  }
+  write_session({{folder / "0"}, {folder / "1"}}, folder / "s.h5");
+  const SessionReader session(folder / "s.h5");
+  const AgentClock clock = fit_agent_clock(session.clock_exchanges(0));
+  EXPECT_LT(clock.bend.ns, 10'000);
+  for (std::uint64_t run = 0; run < 2; ++run) {
+    const FrameStamp stamp = session.stamps(0, FrameStream::bodies, run, 1)[0];
+    EXPECT_NEAR(clock({stamp.arrival_ns}).ns,
+                static_cast<double>((101 + 20 * static_cast<std::int64_t>(run)) * kSecond), 1e4)
+        << run;
+  }
 }
 
 // Two computers without a network: the second was started 1000 s later, and saw the same second by the wall
