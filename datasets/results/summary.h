@@ -206,7 +206,8 @@ struct BestMethod {
 // One line on a method, for readers who do not know it.
 struct MethodNote {
   std::string method, what;
-  bool is_brought = false;  // its joints came from a file of the takes
+  bool is_brought = false;           // its joints came from a file of the takes
+  std::vector<std::string> alike{};  // methods that share its row where results are shown; not stored
 
   TRILAT_FIELDS(method, what, is_brought)
 };
@@ -259,7 +260,7 @@ ResultsSummary read_summary(const std::filesystem::path& folder);
 const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& method,
                              const std::string& condition, const std::string& group,
                              const std::string& alignment);
-// A method's difference from the reference, or none.
+// The method's difference from the reference, or none.
 const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
                                       const std::string& condition, const std::string& group,
                                       const std::string& alignment);
@@ -273,8 +274,8 @@ std::vector<std::string> groups_in(const ResultsSummary& summary, const std::str
 // The methods sorted by their mean error under the first alignment, the least first.
 std::vector<std::string> by_error(const ResultsSummary& summary, const std::string& condition,
                                   std::vector<std::string> methods);
-// What was brought, the paper's three, the best single sensor, the mean, range_bearing, the reference and the
-// best; of few methods all. The smallest error first.
+// The methods that a study shows first, the smallest error first: all where there are at most eight, else the
+// brought ones, the paper's three, the best single sensor, mean, range_bearing, the reference and the best.
 std::vector<std::string> leading_methods(const ResultsSummary& summary, const std::string& condition);
 
 // What one method's mean error did from one set of results to another, in one condition and joint group. The

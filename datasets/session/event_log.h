@@ -97,7 +97,7 @@ class LogScanner {
 LogSummary read_event_log(const std::filesystem::path& path, const TakeEvent& take,
                           const std::function<bool(double)>& progress = {});
 
-// By its first bytes.
+// True for a file that begins as event logs do.
 bool is_event_log(const std::filesystem::path& path);
 
 // The first record of a log. InputError as in read_event_log().

@@ -114,8 +114,8 @@ AgentClock clock_of(const OpenedLog& log) {
   return fit_agent_clock(exchanges);
 }
 
-// From the monotonic clock of a log to that of an earlier one: a machine that was started anew has another.
-// By the exchanges with one recorder, else by the wall clock.
+// Nanoseconds from the monotonic clock of a log to that of an earlier one, since a machine that was started
+// anew has another. The exchanges with one recorder tell it, else the wall clock does.
 std::int64_t shift_ns_between(const OpenedLog& log, const OpenedLog& first) {
   if (share_a_boot(log.head, first.head)) return 0;
   if (log.head.recording != 0 && log.head.recording == first.head.recording) {

@@ -36,8 +36,8 @@ std::string ascii_of(const char16_t* text) {
   return result;
 }
 
-// By how much the rays of a table lie beside those of the intrinsics, in pixels right and down: the median
-// over the middle of the image. Nothing where half of the rays leave it by more than half a pixel.
+// Offset of the table's pixels from those of the intrinsics, in pixels right and down: the median over the
+// middle of the image. Nothing where half of the rays leave it by more than half a pixel.
 std::optional<std::array<double, 2>> shift_of_rays(std::span<const kinect::PointF> rays,
                                                    const DepthIntrinsics& in) {
   constexpr int kMargin = 64, kStep = 8;

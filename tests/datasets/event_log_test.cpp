@@ -51,7 +51,7 @@ std::string text_of(std::size_t sensor, const LogEvent& event) {
   return text;
 }
 
-// Head of a recorder's log; `id` tells one log from another.
+// Returns the head of a recorder's log, whose `id` differs from log to log.
 LogHead head_with(SessionHeader session, std::uint64_t id = 7) {
   return {id, 0, 5'000'000'000, 0, "", std::move(session)};
 }

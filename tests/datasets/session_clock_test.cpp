@@ -62,7 +62,23 @@ TEST(SensorClock, AnAgentsClockThatWasSetInAShortRecordingIsRefusedToo) {
   EXPECT_NO_THROW(clock_errors({.seconds = 6.0}));
 }
 
-// A straight line keeps to the middle of a clock that wanders; how far off it is, is said.
+// A queue on one way, as of a busy radio link, looks like another clock; its delays say that it may be none.
+TEST(SensorClock, AQueueOnOneWayIsNoClockThatWasSet) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const ClockErrors errors = clock_errors({.seed = seed,
+                                             .seconds = 60.0,
+                                             .wire_ms = 30.0,
+                                             .asymmetry_ms = 60.0,
+                                             .jitter_ms = 40.0,
+                                             .burst_every_s = 20.0,
+                                             .burst_length_s = 11.0,
+                                             .burst_ms = 200.0});
+    EXPECT_LT(errors.map.agent.bend.seconds(), 0.020) << seed;
+    EXPECT_GT(errors.map.agent.bound_ns, 30'000'000) << seed;
+  }
+}
+
+// A straight line keeps to the middle of a wandering clock, and `bend` states the largest distance.
 TEST(SensorClock, AClockThatLeavesItsLineIsToldWithWhatItCosts) {
   for (const double wander_ms : {0.0, 0.3, 1.0, 2.0})
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the first lines of an accuracy study say, from chosen numbers.
+// An accuracy study's first lines, tested on chosen numbers.
 #include <gmock/gmock.h>
 
 #include "pipeline/accuracy/shown/accuracy_shown.h"
@@ -114,12 +114,24 @@ TEST(FirstScreen, WhatWasBroughtIsInTheSentenceTheFirstRowsAndTheLegend) {
 TEST(FirstScreen, MethodsThatAnswerAlikeShareARow) {
   const ResultsSummary s = shown_summary(
       chosen(6, {{"mean", 5.0}, {"median", 5.0}, {"nonlinear", 5.0}, {"rts", 4.0}, {"kalman", 4.0}}));
-  EXPECT_THAT(s.methods, ElementsAre("mean = median", "nonlinear", "rts = kalman"));
-  EXPECT_EQ(s.reference, "mean = median");
-  EXPECT_EQ(s.best[0].method, "rts = kalman");
+  EXPECT_THAT(s.methods, ElementsAre("mean", "nonlinear", "rts"));
+  EXPECT_EQ(row_name(s, "mean"), "mean = median");
+  EXPECT_EQ(s.best[0].method, "rts");
   EXPECT_THAT(s.best[0].like_best, IsEmpty());
   EXPECT_EQ(s.cells.size(), 3u);
-  EXPECT_NE(find_cell(s, "rts = kalman", "walking", "head", "mean"), nullptr);
+  EXPECT_EQ(accuracy_figures(s).front().y_names.front(), "rts = kalman");
+  EXPECT_EQ(article_tables(s).front().rows.front().front().text, "rts = kalman");
+  EXPECT_THAT(method_legend(s), Contains("`mean = median`: what mean does"));
+}
+
+// A row that stands for two methods is shown first as each of them would be.
+TEST(FirstScreen, SharedRowsStayAmongTheFirst) {
+  std::vector<std::pair<std::string, double>> methods{{"nonlinear", 9.0}, {"mean", 5.0}, {"mine", 5.0}};
+  for (int m = 0; m < 12; ++m) methods.emplace_back("method " + std::to_string(m), 6.0 + m);
+  const ResultsSummary s = shown_summary(chosen(6, methods));
+  EXPECT_THAT(leading_methods(s, "walking"), Contains("mean"));
+  EXPECT_THAT(accuracy_figures(s).front().y_names, Contains("mean = mine"));
+  EXPECT_THAT(answers_on_the_paper(s).front(), StartsWith("**No**"));
 }
 
 TEST(FirstScreen, AStudyNamedAsItsCampaignIsNamedOnce) {

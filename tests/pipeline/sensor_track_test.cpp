@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which frame of a sensor an instant gets.
+// The choice of a sensor's frame for an instant.
 #include "pipeline/accuracy/take/sensor_track.h"
 
 #include <gtest/gtest.h>

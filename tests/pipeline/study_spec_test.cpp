@@ -64,7 +64,7 @@ TEST(Study, EveryKindOfMethodIsAWholeRow) {
   }
 }
 
-// Of four sensors the second infers the joint, and equation 8 finds a bone before the third.
+// Four sensors see a joint: the second infers it, and equation 8 finds a bone before the third.
 TEST(Study, RulesOfOcclusionLeaveTheirOwnSensorsOut) {
   std::vector<JointObservation> seen(4);
   for (JointObservation& o : seen) {

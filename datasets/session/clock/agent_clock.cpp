@@ -19,6 +19,7 @@ constexpr std::size_t kMinUsed = 3;
 constexpr double kUnknownDrift = 50e-6;  // standard deviation, of common crystals
 constexpr double kWarmingDrift = 1e-6;   // standard deviation of a drift's change where nothing shows it
 constexpr double kCertainSigmas = 4.0;
+constexpr double kExplained_ns = 20e6;      // what unlike delays may explain counts up to here as a bend
 constexpr double kMedianVariance = 1.5708;  // of a median of normal values against that of their mean
 
 // Time that an exchange spent on the wire, both ways.
@@ -100,9 +101,10 @@ struct Window {
   std::int64_t agent_ns = 0;
   double residual_ns = 0.0;
   double sigma_ns = 0.0;
+  double delays_ns = 0.0;  // what unlike delays both ways can add: half of the longest
 };
 
-// Of 10 s each, of a quarter of a short recording, longer where these hold fewer than twelve exchanges.
+// Windows of 10 s, of a quarter of a short recording, or longer where these hold fewer than twelve exchanges.
 // Exchanges of more than twice the usual delay are left out, and windows that keep fewer than three.
 std::vector<Window> windows_of(const std::vector<ClockExchange>& exchanges, const OffsetLine& line,
                                std::int64_t usual_delay_ns) {
@@ -116,8 +118,9 @@ std::vector<Window> windows_of(const std::vector<ClockExchange>& exchanges, cons
     std::erase_if(used, [&](const ClockExchange& e) { return delay_ns(e) > 2 * usual_delay_ns; });
     if (used.size() < kMinUsed) continue;
     const std::vector<double> residuals_ns = line.residuals_ns(used);
-    windows.push_back(
-        {used[used.size() / 2].t2_ns, upper_median(residuals_ns), sigma_of_median(residuals_ns)});
+    const std::int64_t longest_ns = delay_ns(*std::ranges::max_element(used, {}, delay_ns));
+    windows.push_back({used[used.size() / 2].t2_ns, upper_median(residuals_ns), sigma_of_median(residuals_ns),
+                       0.5 * static_cast<double>(longest_ns)});
   }
   std::vector<double> sigmas_ns;
   for (const Window& w : windows) sigmas_ns.push_back(w.sigma_ns);
@@ -146,8 +149,9 @@ void state_sigma(AgentClock& clock, const OffsetLine& line, const std::vector<Cl
   clock.drift_sigma = clock.has_drift ? std::sqrt(12.0) * clock.middle_sigma_ns / span_ns : kUnknownDrift;
 }
 
-// What the noise of windows does not explain, and what no delay does: three exchanges in a row that lie to
-// one side by more than half of their own delay, as behind the moment at which a clock was set.
+// Finds the clock's largest distance from the line: that of a window beyond its noise, up to 20 ms where
+// unlike delays may explain it, or that of three exchanges in a row beyond half of their own delay, as behind
+// the moment at which a clock was set.
 void find_bend(AgentClock& clock, const OffsetLine& line, const std::vector<ClockExchange>& exchanges,
                const std::vector<Window>& windows) {
   const auto take = [&](double away_ns, std::int64_t agent_ns) {
@@ -157,7 +161,8 @@ void find_bend(AgentClock& clock, const OffsetLine& line, const std::vector<Cloc
     }
   };
   for (const Window& w : windows)
-    if (std::abs(w.residual_ns) > kCertainSigmas * w.sigma_ns) take(std::abs(w.residual_ns), w.agent_ns);
+    if (const double away_ns = std::abs(w.residual_ns); away_ns > kCertainSigmas * w.sigma_ns)
+      take(std::min(away_ns, std::max(away_ns - w.delays_ns, kExplained_ns)), w.agent_ns);
   constexpr std::size_t kInARow = 3;
   for (const double side : {1.0, -1.0})
     for (std::size_t i = 0, row = 0; i < exchanges.size(); ++i) {

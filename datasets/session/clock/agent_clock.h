@@ -33,7 +33,8 @@ struct AgentClock {
   // Standard deviations: of the clock about its line, of the line at its middle, of its drift.
   double wander_sigma_ns = 0.0, middle_sigma_ns = 0.0, drift_sigma = 0.0;
   std::int64_t bound_ns = 0;  // half the delay of the exchanges used and their distance from the line
-  // Largest distance from the line of some seconds that neither noise nor delays explain, and where.
+  // Largest distance of some seconds from the line beyond their noise, and where. What unlike delays may
+  // explain counts up to 20 ms, so that a larger one is a clock that was set.
   Duration bend;
   Duration bend_after;  // since `first`
 

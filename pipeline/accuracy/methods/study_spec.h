@@ -41,8 +41,8 @@ struct StudySpec {
   double sensor_gap_s = 0.11;
   double truth_gap_s = 0.055;
   FrameChoice frames = FrameChoice::interpolated;
-  double frame_late_s =
-      0.033;  // frames: newest; one that arrives later after its exposure is dropped (paper)
+  // With the newest frame: one that arrives longer after its exposure is dropped; the paper's real time.
+  double frame_late_s = 0.033;
   // `run --cross-check` fails beyond: where the rig is nearly flat, rounding of the cost alone moves a
   // minimum by 1e-7.
   double cross_check_limit_m = 1e-6;

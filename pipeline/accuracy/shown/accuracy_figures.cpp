@@ -40,7 +40,8 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition) {
                                s.participants == 1 ? "" : "s", alignment);
   if (is_like_the_papers(s, condition)) figure.printed = "table3";
   figure.x_label = "mean error (cm)";
-  figure.y_names = leading_methods(s, condition);
+  const std::vector<std::string> methods = leading_methods(s, condition);
+  for (const std::string& method : methods) figure.y_names.push_back(row_name(s, method));
   const std::vector<std::string> all = groups_in(s, condition), groups = first_groups(all);
   if (groups.size() < all.size())
     figure.caption += fmt::format(" {} of {} joint groups; the tables have all.", groups.size(), all.size());
@@ -48,9 +49,9 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition) {
   for (std::size_t g = 0; g < groups.size(); ++g) {
     FigureSeries ours{origin, FigureSeries::Style::dots, {}, {}, "nonlinear"};
     ours.panel = g;
-    for (std::size_t m = 0; m < figure.y_names.size(); ++m) {
+    for (std::size_t m = 0; m < methods.size(); ++m) {
       const auto y = static_cast<double>(m);
-      if (const SummaryCell* c = find_cell(s, figure.y_names[m], condition, groups[g], alignment))
+      if (const SummaryCell* c = find_cell(s, methods[m], condition, groups[g], alignment))
         ours.points.push_back({c->mae_m * kCentimetresPerMetre, y, c->mae_low_m * kCentimetresPerMetre,
                                c->mae_high_m * kCentimetresPerMetre});
     }

@@ -81,6 +81,8 @@ std::string ray_text(const RayRow& row);
 // figure of numbers of sensors has together, and with one row for methods that answer alike everywhere, as
 // the mean and the median of two sensors do. The rows by take stay whole.
 ResultsSummary shown_summary(ResultsSummary summary);
+// The method's name in a shown row: "mean = median" where both share it.
+std::string row_name(const ResultsSummary& shown, const std::string& method);
 
 // Whether the paper's nonlinear trilateration beats the plain mean when walking, yes or no; what
 // trilateration reaches beside what the paper prints; what errs less; on which data.

@@ -89,31 +89,13 @@ void drop_method(ResultsSummary& s, const std::string& method) {
   for (BestMethod& best : s.best) std::erase(best.like_best, method);
 }
 
-void rename_method(ResultsSummary& s, const std::string& method, const std::string& name) {
-  const auto rename = [&](std::string& text) {
-    if (text == method) text = name;
-  };
-  const auto rename_its = [&](auto& entries) {
-    for (auto& entry : entries) rename(entry.method);
-  };
-  for (std::string& text : s.methods) rename(text);
-  rename(s.reference);
-  rename_its(s.legend);
-  rename_its(s.cells);
-  rename_its(s.differences);
-  rename_its(s.bodies);
-  rename_its(s.by_take);
-  rename_its(s.best);
-  for (BestMethod& best : s.best)
-    for (std::string& text : best.like_best) rename(text);
-}
-
-// A method that answers as an earlier one does shares its row, under both names.
+// A method that answers as an earlier one does shares its row.
 void join_alike(ResultsSummary& s) {
   for (std::size_t m = 0; m < s.methods.size(); ++m) {
     const std::string method = s.methods[m];
-    if (has_printed_row(method)) continue;
-    std::string name = method;
+    const auto note = std::ranges::find(s.legend, method, &MethodNote::method);
+    if (has_printed_row(method) || note == s.legend.end()) continue;
+    MethodNote joined = *note;
     const std::vector<std::string> later(s.methods.begin() + static_cast<std::ptrdiff_t>(m) + 1,
                                          s.methods.end());
     for (const std::string& other : later) {
@@ -123,14 +105,24 @@ void join_alike(ResultsSummary& s) {
           best.method = method;
           std::erase(best.like_best, method);
         }
+      for (const MethodNote& of_other : s.legend)
+        if (of_other.method == other) joined.is_brought |= of_other.is_brought;
       drop_method(s, other);
-      name += " = " + other;
+      joined.alike.push_back(other);
     }
-    if (name != method) rename_method(s, method, name);
+    *std::ranges::find(s.legend, method, &MethodNote::method) = joined;
   }
 }
 
 }  // namespace
+
+std::string row_name(const ResultsSummary& s, const std::string& method) {
+  const auto note = std::ranges::find(s.legend, method, &MethodNote::method);
+  std::string name = method;
+  if (note != s.legend.end())
+    for (const std::string& other : note->alike) name += " = " + other;
+  return name;
+}
 
 ResultsSummary shown_summary(ResultsSummary s) {
   std::set<std::string> members;

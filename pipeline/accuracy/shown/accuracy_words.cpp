@@ -10,6 +10,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/results/stored_take.h"
+#include "pipeline/accuracy/shown/accuracy_shown.h"
 
 namespace trilat {
 
@@ -122,13 +123,13 @@ std::vector<std::string> method_legend(const ResultsSummary& s) {
       if (std::ranges::find(methods, method) == methods.end()) methods.push_back(method);
   for (const std::string& method : methods)
     if (const auto note = std::ranges::find(s.legend, method, &MethodNote::method); note != s.legend.end())
-      lines.push_back(fmt::format("`{}`: {}", method, note->what));
+      lines.push_back(fmt::format("`{}`: {}", row_name(s, method), note->what));
   return lines;
 }
 
 namespace {
 
-// The methods that were brought, each with its error and its rank.
+// " From files: …": each brought method with its error and its rank.
 std::string brought_text(const ResultsSummary& s, const std::string& condition, const std::string& best) {
   const std::vector<std::string> ranked = by_error(s, condition, s.methods);
   std::string text;
@@ -142,7 +143,8 @@ std::string brought_text(const ResultsSummary& s, const std::string& condition, 
   return text.empty() ? text : text + ".";
 }
 
-// Which methods may be as good as the best one, the nearest first.
+// "; 2 others cannot be distinguished from it (…)": the methods that may be as good as the best one, the
+// nearest first.
 std::string alike_text(const ResultsSummary& s, const std::vector<std::string>& alike) {
   constexpr std::size_t kMaxNamed = 4;
   constexpr std::uint64_t kFewParticipants = 5;

@@ -60,7 +60,7 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
   for (const std::string& group : groups) table.columns.push_back(interval_column(group, group + "_mae_cm"));
   bool silent = false;
   for (const std::string& method : methods) {
-    std::vector<TableValue> cells{TableValue::of(method)};
+    std::vector<TableValue> cells{TableValue::of(row_name(s, method))};
     for (const std::string& group : groups)
       cells.push_back(error_cell(s, condition, alignment, group, method));
     cells.push_back(answered_cell(s, condition, method));

@@ -53,8 +53,9 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
 ObservedBody body_at(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap,
                      const std::set<std::uint64_t>* wanted = nullptr);
 
-// The same of the newest frame that had arrived by `t`, held for `longest_gap` from its exposure. Frames that
-// arrived more than `late` after their exposure are dropped, as the paper's server drops them.
+// The person in the newest frame that had arrived by `t`, held for `longest_gap` from its exposure. Frames
+// that arrived more than `late` after their exposure are dropped. The paper's server drops late frames,
+// without saying from which moment on it counts; 33 ms is what it calls real time.
 ObservedBody newest_body(std::span<const SensorFrame> frames, HostTime t, Duration longest_gap, Duration late,
                          const std::set<std::uint64_t>* wanted = nullptr);
 
