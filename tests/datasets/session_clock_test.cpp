@@ -73,7 +73,7 @@ TEST(SensorClock, AQueueOnOneWayIsNoClockThatWasSet) {
                                              .burst_every_s = 20.0,
                                              .burst_length_s = 11.0,
                                              .burst_ms = 200.0});
-    EXPECT_LT(errors.map.agent.bend.seconds(), 0.020) << seed;
+    EXPECT_LE(errors.map.agent.bend.seconds(), 0.020) << seed;
     EXPECT_GT(errors.map.agent.bound_ns, 30'000'000) << seed;
   }
 }

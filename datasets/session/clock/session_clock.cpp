@@ -15,6 +15,7 @@ namespace {
 using SensorLine = ClockMap<HostClock, SensorClock>;
 
 constexpr double kMaxDrift = 1e-3;
+constexpr double kDriftSigmas = 4.0;
 constexpr std::int64_t kDriftDivisor = 1000;                 // the same, of the time between two frames
 constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
 constexpr Duration kMaxAgentBend{20'000'000};
@@ -167,11 +168,12 @@ bool has_odd_drift(const TickEpoch& epoch) {
   return std::abs(epoch.envelope.line().drift) > kMaxDrift && epoch.span() < kMinDriftCheck;
 }
 
-// In less than 5 s jitter of the arrivals looks like drift.
-SensorLine line_of(const TickEpoch& epoch, const std::string& place) {
+// In less than 5 s jitter of the arrivals looks like drift, and so does what the agent's own drift is
+// uncertain by.
+SensorLine line_of(const TickEpoch& epoch, const AgentClock& agent, const std::string& place) {
   if (has_odd_drift(epoch)) return epoch.envelope.line_of(0.0);
   const SensorLine line = epoch.envelope.line();
-  if (std::abs(line.drift) > kMaxDrift)
+  if (std::abs(line.drift) > kMaxDrift + kDriftSigmas * agent.drift_sigma)
     throw InputError(place, fmt::format("has a clock that drifts by {:.0f} ppm against arrival times; check "
                                         "tick_ns and arrival_ns, and whether the computer kept up",
                                         1e6 * line.drift));
@@ -180,13 +182,13 @@ SensorLine line_of(const TickEpoch& epoch, const std::string& place) {
 
 // A sensor keeps its crystal when it is restarted: short epochs take the longest one's drift.
 std::vector<SensorEpoch> fit_epochs(const std::vector<TickEpoch>& ticks, const TickEpoch& longest,
-                                    const std::string& place) {
-  const SensorLine line = line_of(longest, place);
+                                    const AgentClock& agent, const std::string& place) {
+  const SensorLine line = line_of(longest, agent, place);
   std::vector<SensorEpoch> epochs;
   for (const TickEpoch& epoch : ticks)
     epochs.push_back({epoch.first, epoch.last, epoch.frames,
                       &epoch == &longest              ? line
-                      : epoch.span() >= kMinDriftSpan ? line_of(epoch, place)
+                      : epoch.span() >= kMinDriftSpan ? line_of(epoch, agent, place)
                                                       : epoch.envelope.line_of(line.drift)});
   return epochs;
 }
@@ -277,7 +279,7 @@ SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp
   const std::vector<TickEpoch> epochs = ticks.finish();
   if (epochs.empty()) throw InputError(place, "has no frames, so its clock cannot be placed");
   const TickEpoch& longest = *std::ranges::max_element(epochs, {}, &TickEpoch::span);
-  map.epochs = fit_epochs(epochs, longest, place);
+  map.epochs = fit_epochs(epochs, longest, map.agent, place);
   map.stamps = evidence_of(map, stamps);
   if (has_odd_drift(longest)) map.stamps.drift_left_out = longest.envelope.line().drift;
   return map;
