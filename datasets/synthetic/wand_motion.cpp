@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kFarthest_m = 0.9, kLowest_m = 0.4, kHighest_m = 1.7;
 constexpr double kPersonToBall_m = 1.2;
+constexpr std::size_t kDefining = 3;  // positions that define a frame
 
 Vector3d horizontal(double bearing_rad) { return {std::sin(bearing_rad), 0.0, std::cos(bearing_rad)}; }
 
@@ -70,7 +71,8 @@ struct WandMotion::Stand {
 WandMotion::WandMotion(const WandMotionSpec& spec, std::uint64_t seed, const Vector3d& rig_centre_in_world_m,
                        const Person& person)
     : spec_(spec), centre_m_(rig_centre_in_world_m), standing_(generated_motion(person, Activity::standing)) {
-  TRILAT_CHECK(spec.positions >= 3 && spec.hold_s > 0.0 && spec.move_s > 0.0, "a wand has a frame to show");
+  TRILAT_CHECK(spec.positions >= kDefining && spec.hold_s > 0.0 && spec.move_s > 0.0,
+               "a wand has a frame to show");
   double start_s = 0.0;
   for (const Vector3d& ball : positions_of(spec.positions, seed, centre_m_)) {
     holds_.push_back({ball, start_s, start_s + spec.hold_s});
@@ -102,7 +104,7 @@ WandInstant WandMotion::at(double time_s) const {
   feet.y() = 0.0;
   const double heading_rad = beside_rad + std::numbers::pi;
   const Eigen::AngleAxisd turn(heading_rad, Vector3d::UnitY());
-  WandInstant instant{stand.ball_m, {}, standing_(time_s)};
+  WandInstant instant{stand.ball_m, {}, standing_(time_s), time_s > holds_[kDefining - 1].to_s};
   instant.person.heading_rad = heading_rad;
   for (Vector3d& joint : instant.person.joint_in_world_m) joint = turn * joint + feet;
   // The hand waits before the right hip, so that the stick passes beside the body.

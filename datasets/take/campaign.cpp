@@ -144,6 +144,21 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
   return take;
 }
 
+CampaignWand read_wand(JsonObject object, const std::filesystem::path& folder) {
+  CampaignWand wand{path_of(object, "session", folder)};
+  if (object.has("mocap")) {
+    wand.mocap = path_of(object, "mocap", folder);
+    wand.asset = object.text("asset");
+    wand.mocap_start_host_ns = object.integer("mocap_start_host_ns");
+  }
+  object.about({{"session", "recording in which the wand is held still at many places"},
+                {"mocap", "OptiTrack's export of it"},
+                {"asset", "whose position is the ball's centre"},
+                {"mocap_start_host_ns", "what the recording's host clock showed at its first frame"}});
+  object.finish();
+  return wand;
+}
+
 }  // namespace
 
 JointMapping read_mapping(const std::filesystem::path& path) {
@@ -229,8 +244,11 @@ Campaign parse_campaign(const Json& json, const std::filesystem::path& file) {
       entry.refuse("id", "is \"" + campaign.takes.back().id + "\", which an earlier take has");
   }
   if (campaign.takes.empty()) object.refuse("takes", "must hold at least one take");
-  object.about(
-      {{"name", "of the campaign"}, {"simulated", "every table says so"}, {"takes", "what was recorded"}});
+  if (object.has("wand")) campaign.wand = read_wand(object.object("wand"), file.parent_path());
+  object.about({{"name", "of the campaign"},
+                {"simulated", "every table says so"},
+                {"takes", "what was recorded"},
+                {"wand", "a recording for studies that take their poses from it"}});
   object.finish();
   return campaign;
 }
@@ -260,13 +278,19 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
     }
     takes.push_back(json);
   }
-  write_file(folder / "campaign.json", exact_json_text(Json{{"format", kCampaignFormat},
-                                                            {"version", 1},
-                                                            {"name", campaign.name},
-                                                            {"simulated", campaign.simulated},
-                                                            {"takes", takes}},
-                                                       2) +
-                                           "\n");
+  Json json{{"format", kCampaignFormat},
+            {"version", 1},
+            {"name", campaign.name},
+            {"simulated", campaign.simulated},
+            {"takes", takes}};
+  if (const std::optional<CampaignWand>& wand = campaign.wand) {
+    json["wand"] = {{"session", inside(wand->session)}};
+    if (!wand->mocap.empty())
+      json["wand"].update(Json{{"mocap", inside(wand->mocap)},
+                               {"asset", wand->asset},
+                               {"mocap_start_host_ns", wand->mocap_start_host_ns}});
+  }
+  write_file(folder / "campaign.json", exact_json_text(json, 2) + "\n");
 }
 
 std::vector<std::string> oddities_of(const Campaign& campaign) {

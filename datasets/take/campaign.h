@@ -102,6 +102,15 @@ struct Take {
   std::vector<BroughtJoints> joints{};
 };
 
+// A recording of a wand that was held still at many places, and OptiTrack's export of it; a wand without an
+// export gives poses in a frame of its own.
+struct CampaignWand {
+  std::filesystem::path session;
+  std::filesystem::path mocap = {};
+  std::string asset = {};  // whose position is the ball's centre
+  std::int64_t mocap_start_host_ns = 0;
+};
+
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the folder.
 struct Campaign {
   std::string name;
@@ -109,6 +118,7 @@ struct Campaign {
   std::vector<Take> takes;
   std::filesystem::path folder{};       // where it was read from
   std::filesystem::path calibration{};  // of all takes, where the user gave one instead of their own
+  std::optional<CampaignWand> wand{};
 };
 
 // `path` is the folder or its campaign.json. Take ids must be unique and usable as names.

@@ -19,6 +19,7 @@
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take_key.h"
+#include "pipeline/accuracy/wand_poses.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/errors/summarise.h"
 #include "pipeline/study/machine.h"
@@ -332,7 +333,9 @@ ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, co
       if (stage == "summary") options.progress(kTakesShare + (1.0 - kTakesShare) * share);
     };
   on_threads(options.threads, [&](int) {
-    run_study(accuracy_study(spec, campaign, options.cross_check, hashes, {options.stop_requested, {}}),
+    const Watch watch{options.stop_requested, {}};
+    run_study(accuracy_study(with_wand_poses(spec, campaign, output, watch), campaign, options.cross_check,
+                             hashes, watch),
               output, run);
   });
   return read_summary(output);

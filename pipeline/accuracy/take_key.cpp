@@ -66,7 +66,7 @@ std::vector<TakeInput> inputs_of(const Take& take, HashCache& hashes,
 
 std::string key_of_take(const Plan& plan, std::size_t take, std::span<const TakeInput> inputs,
                         bool cross_check) {
-  Json study = resolved_json(plan.study);
+  Json study = resolved_json(at_stage(plan.study, plan.takes[take].stage));
   for (const char* key : kOfTheSummary) study.erase(key);
   Json brought = Json::array();
   for (std::size_t m = first_brought(plan); m < plan.methods.size(); ++m)

@@ -1,13 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/calibration/calibrate_wand.h"
 
+#include <array>
+
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "evaluators/alignment/alignment.h"
 #include "pipeline/study/hash_cache.h"
 
 namespace trilat {
 namespace {
+
+// Poses in the wand's frame, in OptiTrack's world.
+void put_in_world(Calibration& calibration, const WandViews& views, const WandInWorld& world) {
+  AlignmentSums sums;
+  for (const KnownPoint& known :
+       known_positions(world, std::span(views.positions).first(views.positions_of_first))) {
+    const std::vector<RestingBall>& seen = views.positions[known.point].seen;
+    Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+    for (const RestingBall& ball : seen)
+      sum_m += calibration.sensors[ball.sensor].world_from_sensor * ball.centre_in_sensor_m;
+    sums.add(sum_m / static_cast<double>(seen.size()), known.point_in_world_m);
+  }
+  const Alignment alignment = solve_alignment(sums, AlignmentKind::rigid);
+  if (alignment.status != AlignmentStatus::aligned)
+    throw InputError(world.mocap.string(),
+                     "does not tie the sensors to its world: the wand's places lie on a line");
+  for (SensorPose& pose : calibration.sensors)
+    pose.world_from_sensor = alignment.truth_from_estimate * pose.world_from_sensor;
+  calibration.world = "optitrack";
+}
 
 WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
                                  const CalibrateWandOptions& options, WandViews views) {
@@ -19,6 +42,7 @@ WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
   for (std::size_t s = 0; corrected && s < floors.size(); ++s) floors[s] = floor_seen_by(first, s);
   WandCalibration result;
   result.calibration = calibrate_two_positions(views, first.path().string(), two, options.movement_m, floors);
+  if (options.world) put_in_world(result.calibration, views, *options.world);
   result.views = std::move(views);
   return result;
 }
@@ -35,7 +59,13 @@ const RestingBall& ball_at(const WandViews& views, std::size_t position, std::si
 }  // namespace
 
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
-                               const CalibrateWandOptions& given, WandMethod method) {
+                               const CalibrateWandOptions& options, WandMethod method) {
+  return std::move(calibrate_wand_by(std::array{method}, files, options).front());
+}
+
+std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> methods,
+                                               const std::vector<std::filesystem::path>& files,
+                                               const CalibrateWandOptions& given) {
   CalibrateWandOptions options = given;
   std::vector<std::filesystem::path> others;  // besides the recordings
   if (options.world) others.push_back(options.world->mocap);
@@ -44,17 +74,21 @@ WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
   const std::vector<SessionReader> sessions(files.begin(), files.end());
   // before minutes of work
   if (options.world) options.world->track = read_wand_track(options.world->mocap, options.world->asset);
-  WandViews views = view_wand(sessions, options);
-  WandCalibration result = method == WandMethod::wand
-                               ? calibrate_views(std::move(views), sessions.front().path().string(), options)
-                               : calibrate_by_two(sessions.front(), method, options, std::move(views));
+  const WandViews views = view_wand(sessions, options);
+  std::vector<WandCalibration> results;
+  for (const WandMethod method : methods)
+    results.push_back(method == WandMethod::wand
+                          ? calibrate_views(views, sessions.front().path().string(), options)
+                          : calibrate_by_two(sessions.front(), method, options, views));
   std::vector<std::filesystem::path> sources = files;
   sources.insert(sources.end(), others.begin(), others.end());
-  for (const std::filesystem::path& file : sources)
-    result.calibration.sources.push_back(
-        {file.filename().string(), hash_of_file(file, options.search.watch.stop_requested)});
+  for (const std::filesystem::path& file : sources) {
+    const CalibrationSource source{file.filename().string(),
+                                   hash_of_file(file, options.search.watch.stop_requested)};
+    for (WandCalibration& result : results) result.calibration.sources.push_back(source);
+  }
   watched.check();
-  return result;
+  return results;
 }
 
 Calibration calibrate_two_positions(const WandViews& all_views, const std::string& place,

@@ -19,9 +19,16 @@ namespace trilat {
 enum class WandMethod { wand, two_positions, printed };
 
 // Sensor poses from recordings of a wand that was held still at many places. All recordings are of one rig.
-// Another method than `wand` gives no positions in the world.
+// Another method than `wand` gives no positions in the world. Poses from two positions, which are in the
+// wand's frame, are brought into OptiTrack's world where `options` has one by a rigid fit of all places, each
+// the mean of where the sensors then see it.
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method = WandMethod::wand);
+
+// The same by several methods, of one search for the wand.
+std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> methods,
+                                               const std::vector<std::filesystem::path>& files,
+                                               const CalibrateWandOptions& options);
 
 // The paper's calibration from the first two wand positions (eq. 6 and 7), as printed or corrected. Without
 // `movement_m` the wand moved by the mean of what the sensors saw. `floors`: one entry a sensor, whose normal

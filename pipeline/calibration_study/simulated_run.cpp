@@ -28,14 +28,10 @@ namespace {
 
 constexpr std::uint64_t kUnitsOfSamples = 1000;  // the study's units for single samples come before
 
-// At the first three places, which define the world, the wand hangs free: whoever sets up a rig would see to
-// it that every sensor sees them.
-constexpr std::size_t kFreePlaces = 3;
-
-DepthScene scene_at(const WandInstant& instant, std::size_t place, double ball_radius_m) {
+DepthScene scene_at(const WandInstant& instant, double ball_radius_m) {
   DepthScene scene;
   append_room(scene, RoomSpec{}, Eigen::Vector3d::Zero());
-  if (place < kFreePlaces) {
+  if (!instant.is_held) {
     scene.spheres.push_back({instant.ball_in_world_m, ball_radius_m});
     return scene;
   }
@@ -55,7 +51,7 @@ SeenPlace see_place(const CalibrationSpec& spec, const std::vector<StudyUnit>& u
                     const std::vector<RigidTransform>& world_from_sensor, std::uint64_t run_seed,
                     std::size_t place, const WandMotion& motion) {
   const WandHold& hold = motion.holds()[place];
-  const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), place, spec.ball_radius_m);
+  const DepthScene scene = scene_at(motion.at(0.5 * (hold.from_s + hold.to_s)), spec.ball_radius_m);
   FindWandOptions find;
   find.ball_radius_m = spec.ball_radius_m;
   SeenPlace seen{{{duration_from_s(hold.from_s).ns}, {duration_from_s(hold.to_s).ns}, {}}, {}};

@@ -10,6 +10,8 @@
 #include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
+#include "pipeline/accuracy/wand_poses.h"
+#include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/print_stored.h"
 
@@ -111,6 +113,18 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
   return inputs;
 }
 
+bool asks_for_wand(const StudySpec& spec) {
+  return std::ranges::any_of(stages_of(spec),
+                             [](const Stage& stage) { return stage.poses != PoseSource::stated; });
+}
+
+// The plan alone needs no search for the wand.
+StudySpec with_stated_poses(StudySpec spec) {
+  spec.stage.poses = PoseSource::stated;
+  for (Stage& stage : spec.stages) stage.poses = PoseSource::stated;
+  return spec;
+}
+
 // Under the study's first alignment.
 Json errors_json(const ResultsSummary& s) {
   Json rows = Json::array();
@@ -127,15 +141,19 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   const auto hashes = std::make_shared<HashCache>();
   hashes->load(arguments.output);
   const bool cross_check = arguments.cross_check;
-  return {
-      .plan = [=](const Watch& watch) { return accuracy_study(spec, campaign, cross_check, hashes, watch); },
-      .print_plan =
-          [=](const Shard& shard, bool as_json, const Watch& watch) {
-            return print_plan(make_plan(spec, campaign, watch), shard, as_json);
-          },
-      .inputs = inputs_of(campaign),
-      .campaign = campaign,
-      .print_failed = [](const ItemTally& tally) { print_notes(notes_of(tally)); }};
+  return {.plan =
+              [=, output = arguments.output](const Watch& watch) {
+                if (asks_for_wand(spec)) mark_output(output, {"run", {spec.name}, campaign.name});
+                return accuracy_study(with_wand_poses(spec, campaign, output, watch), campaign, cross_check,
+                                      hashes, watch);
+              },
+          .print_plan =
+              [=](const Shard& shard, bool as_json, const Watch& watch) {
+                return print_plan(make_plan(with_stated_poses(spec), campaign, watch), shard, as_json);
+              },
+          .inputs = inputs_of(campaign),
+          .campaign = campaign,
+          .print_failed = [](const ItemTally& tally) { print_notes(notes_of(tally)); }};
 }
 
 int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown) {

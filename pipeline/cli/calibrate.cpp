@@ -168,7 +168,7 @@ void refuse_ignored(const CalibrateArguments& a) {
   const auto refuse = [&](const char* option) {
     throw InputError(option, "is of no use with --method " + a.method);
   };
-  if ((bodies || two) && !a.mocap.empty()) refuse("--mocap");
+  if (bodies && !a.mocap.empty()) refuse("--mocap");
   if (!bodies && !a.from.empty()) refuse("--from");
   if (bodies && a.movement_m) refuse("--movement-m");
   if (bodies && a.movement_sigma_m) refuse("--movement-sigma-m");

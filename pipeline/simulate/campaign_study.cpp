@@ -6,6 +6,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/simulate/simulate_take.h"
+#include "pipeline/simulate/simulate_wand.h"
 
 namespace trilat {
 namespace {
@@ -38,9 +39,12 @@ Take read_take(const std::string& id, const Json& json, const std::string& place
 }
 
 // Moves what the items recorded out of the store.
-void put_together(const std::string& name, const SimulatedCampaign& simulated, const Outcomes& outcomes,
+void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated, const Outcomes& outcomes,
                   const fs::path& folder) {
-  Campaign campaign{name, true, {}, folder};
+  Campaign campaign{spec.name, true, {}, folder};
+  if (simulated.wand)
+    campaign.wand = {folder / "wand/session.h5", folder / "wand/mocap.csv", "wand",
+                     wand_mocap_start(spec).ns};
   for (std::size_t r = 0; r < simulated.recordings(); ++r) {
     const std::string id = simulated.id(r);
     const Outcome& outcome = outcomes.at(item_of(id));
@@ -60,7 +64,7 @@ Study campaign_study(const SimulationSpec& spec, const std::string& sha256, cons
   Study study{.kind = "campaign",
               .settings = {{"simulation", spec.name}, {"sha256", sha256}},
               .reduce = [=](const Outcomes& outcomes, const fs::path& folder, const Watch&) {
-                put_together(shared->name, *campaign, outcomes, folder);
+                put_together(*shared, *campaign, outcomes, folder);
               }};
   const std::vector<double> costs = costs_of(spec, *campaign);
   for (std::size_t r = 0; r < campaign->recordings(); ++r)

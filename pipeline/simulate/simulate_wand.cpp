@@ -74,13 +74,20 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
   std::vector<SimulatedSensor> sensors;
   for (const SensorPose& pose : poses)
     sensors.push_back(draw_sensor(spec.sensor, item, sensors.size(), pose));
-  const Motion motion = [&](double t) { return spec.wand->person ? wand.at(t).person : SkeletonPose(); };
+  const auto shows_person = [&](const WandInstant& instant) { return spec.wand->person && instant.is_held; };
+  const Motion motion = [&](double t) {
+    const WandInstant instant = wand.at(t);
+    return shows_person(instant) ? instant.person : SkeletonPose();
+  };
   const SceneMotion scene = [&](double t) {
     const WandInstant instant = wand.at(t);
     DepthScene seen;
     append_room(seen, spec.room, rig_centre_m);
-    if (spec.wand->person) append_person(seen, instant.person);
-    append_wand(seen, instant.ball_in_world_m, instant.stick_direction, spec.wand->shape);
+    if (shows_person(instant)) append_person(seen, instant.person);
+    if (instant.is_held)
+      append_wand(seen, instant.ball_in_world_m, instant.stick_direction, spec.wand->shape);
+    else
+      seen.spheres.push_back({instant.ball_in_world_m, spec.wand->shape.ball_radius_m});
     return seen;
   };
   SyntheticSource source(spec.sensor, item, motion, sensors, wand.duration_s(), {spec.body_tracker},

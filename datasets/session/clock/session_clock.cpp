@@ -240,6 +240,7 @@ SensorTime device_time(const SensorDescription& sensor, const FrameStamp& stamp)
 }
 
 HostTime SensorClockMap::operator()(const FrameStamp& stamp) const {
+  if (live) return live({stamp.arrival_ns}) - latency;
   const SensorTime device{stamp.device_ticks * tick_ns};
   if (epochs.size() == 1) return (*this)(device);
   HostTime best;

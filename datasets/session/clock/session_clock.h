@@ -36,6 +36,8 @@ struct SensorClockMap {
   AgentClock agent;
   std::vector<SensorEpoch> epochs;  // in the order of the recording
   StampEvidence stamps;
+  // Where a live system gives frames their times: by their arrivals instead of their ticks.
+  std::function<HostTime(AgentTime)> live = {};
 
   // Of several epochs that which the stamps fit best.
   HostTime operator()(const FrameStamp& stamp) const;

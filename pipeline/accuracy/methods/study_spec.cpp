@@ -19,6 +19,8 @@ constexpr const char* kFormat = "trilat.study";
 const std::vector<std::string> kAlignments{"none", "first", "mean", "rigid", "held_out", "joint_offset"};
 const std::vector<std::string> kClocks{"stated", "check", "motion"};
 const std::vector<std::string> kFrames{"interpolated", "newest"};
+const std::vector<std::string> kPoses{"stated", "wand", "two_positions", "printed"};
+const std::vector<std::string> kSensorClocks{"offline", "exact", "causal", "printed"};
 const std::vector<std::string> kTruths{"auto", "mocap", "left_out_sensor"};
 
 void tell_alignments(Settings& s, std::vector<AlignmentKind>& kinds) {
@@ -37,6 +39,44 @@ void tell_alignments(Settings& s, std::vector<AlignmentKind>& kinds) {
   Json names = Json::array();
   for (AlignmentKind kind : kinds) names.push_back(std::string(name_of(kind)));
   s.write("alignments", names);
+}
+
+void tell(Settings& s, Stage& stage) {
+  s.choice("poses", stage.poses, kPoses,
+           "stated: of the takes' calibration; by the campaign's wand: wand, all places refined together; "
+           "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed");
+  s.choice("sensor_clocks", stage.sensor_clocks, kSensorClocks,
+           "how a frame gets its time: offline, by its ticks and all exchanges of clocks; causal, by its "
+           "arrival and the exchanges until then; printed, by eq. 20 to 22; exact, in simulations alone");
+  s.choice(
+      "frames", stage.frames, kFrames,
+      "what a sensor says at an instant: interpolated between the frames around it, or the newest that had "
+      "arrived by then, held as long as sensor_gap_s");
+  if (stage.frames == FrameChoice::newest)
+    s.positive("frame_late_s", stage.frame_late_s,
+               "a frame that arrives so long after its exposure is dropped");
+  s("repair_exchanges", stage.repair_exchanges,
+    "left and right that a sensor has exchanged are exchanged back");
+}
+
+void read_stages(JsonObject& object, StudySpec& spec) {
+  object.about({{"stages",
+                 "each a condition of its own: a name, and what changes beside the stage before (poses, "
+                 "sensor_clocks, frames, frame_late_s, repair_exchanges)"}});
+  if (!object.has("stages")) return;
+  Stage stage = spec.stage;
+  std::set<std::string> names;
+  for (JsonObject& entry : object.objects("stages")) {
+    stage.name = entry.text("name");
+    entry.about({{"name", "of the condition"}});
+    if (!names.insert(stage.name).second)
+      entry.refuse("name", "is \"" + stage.name + "\", which an earlier stage has");
+    Settings settings(entry);
+    tell(settings, stage);
+    entry.finish();
+    spec.stages.push_back(stage);
+  }
+  if (spec.stages.empty()) object.refuse("stages", "must hold at least one stage");
 }
 
 void check_names(JsonObject& object, const StudySpec& spec) {
@@ -68,20 +108,12 @@ void tell(Settings& s, StudySpec& spec) {
   s.positive("rate_hz", spec.rate_hz, "of the instants that are evaluated");
   s.positive("sensor_gap_s", spec.sensor_gap_s, "no sensor is interpolated across a longer gap");
   s.positive("truth_gap_s", spec.truth_gap_s, "nor is the truth");
-  s.choice(
-      "frames", spec.frames, kFrames,
-      "what a sensor says at an instant: interpolated between the frames around it, or the newest that had "
-      "arrived by then, held as long as sensor_gap_s");
-  if (spec.frames == FrameChoice::newest)
-    s.positive("frame_late_s", spec.frame_late_s,
-               "a frame that arrives so long after its exposure is dropped");
+  tell(s, spec.stage);
   s.positive("cross_check_limit_m", spec.cross_check_limit_m, "`run --cross-check` fails beyond");
   s.choice("clock", spec.clock, kClocks,
            "whether the stated start of the truth is taken as it is, checked by motion, or corrected by it");
   s("clock_search_s", spec.clock_search_s, {0.02, 10.0},
     "how far to both sides of the stated start motion is compared");
-  s("repair_exchanges", spec.repair_exchanges,
-    "left and right that a sensor has exchanged are exchanged back");
   s("training_share", spec.training_share, {0.05, 0.95},
     "of a take, at its start: what the alignment joint_offset learns from");
   s("clock_error_s", spec.clock_error_s, {0.0, 1.0}, "between truth and sensors, one standard deviation");
@@ -105,6 +137,7 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
                 {"campaign", "folder of takes, relative to this file; `--campaign` goes first"}});
   Settings settings(object);
   tell(settings, spec);
+  read_stages(object, spec);
   object.words("joints", joint_names());
   if (object.has("methods")) {
     for (JsonObject& entry : object.objects("methods")) spec.methods.push_back(read_method(entry));
@@ -116,10 +149,25 @@ StudySpec parse_study(const Json& json, const std::string& place, const std::fil
   return spec;
 }
 
+std::vector<Stage> stages_of(const StudySpec& study) {
+  return study.stages.empty() ? std::vector{study.stage} : study.stages;
+}
+
+StudySpec at_stage(StudySpec study, const Stage& stage) {
+  study.stage = stage;
+  study.stages.clear();
+  return study;
+}
+
 Json resolved_json(StudySpec spec) {
   Json json{{"format", kFormat}, {"version", 1}, {"kind", "accuracy"}, {"name", spec.name}};
   Settings settings(json);
   tell(settings, spec);
+  for (Stage& stage : spec.stages) {
+    Json& written = json["stages"].emplace_back(Json{{"name", stage.name}});
+    Settings own(written);
+    tell(own, stage);
+  }
   json["methods"] = Json::array();
   for (const MethodSpec& m : spec.methods) json["methods"].push_back(resolved_json(m));
   return json;

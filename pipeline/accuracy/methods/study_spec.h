@@ -24,6 +24,28 @@ enum class TruthSource : std::uint8_t { automatic, mocap, left_out_sensor, nothi
 // has, or the newest frame that the recorder had by then, held, as a live system has it.
 enum class FrameChoice : std::uint8_t { interpolated, newest };
 
+// Whose sensor poses: those that the takes state; or by the campaign's wand, all its places refined together,
+// or the paper's two (eq. 6 and 7), corrected or as printed.
+enum class PoseSource : std::uint8_t { stated, wand, two_positions, printed };
+
+// How a frame gets its time. `offline`: by its ticks and all exchanges of clocks. `exact`: as the simulator
+// knows. As a live system: by its arrival and the exchanges until then, corrected (`causal`), or by eq. 20 to
+// 22 as printed, which give the time on the clock of the sensor's computer (erratum E11).
+enum class SensorClocks : std::uint8_t { offline, exact, causal, printed };
+
+// What stands between what was recorded and what methods see.
+struct Stage {
+  std::string name = {};  // a condition of the results; empty: the study has one stage
+  PoseSource poses = PoseSource::stated;
+  SensorClocks sensor_clocks = SensorClocks::offline;
+  FrameChoice frames = FrameChoice::interpolated;
+  // With the newest frame: one that arrives longer after its exposure is dropped; the paper's real time.
+  double frame_late_s = 0.033;
+  bool repair_exchanges = true;  // left and right that a sensor has exchanged are put right
+  // Of the sensors, where the poses are not the stated ones: with_wand_poses() fills it.
+  std::filesystem::path calibration = {};
+};
+
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
 struct StudySpec {
   std::string name;
@@ -40,22 +62,28 @@ struct StudySpec {
   // 1/30, 1/100 or 1/120 s: drift or rounding would decide whether a gap of as many frames is within it.
   double sensor_gap_s = 0.11;
   double truth_gap_s = 0.055;
-  FrameChoice frames = FrameChoice::interpolated;
-  // With the newest frame: one that arrives longer after its exposure is dropped; the paper's real time.
-  double frame_late_s = 0.033;
+  Stage stage = {};  // of all takes, where there are no stages
+  // One after the other, each with what its own keys change of the one before; every take is evaluated at
+  // each, and each is a condition.
+  std::vector<Stage> stages = {};
   // `run --cross-check` fails beyond: where the rig is nearly flat, rounding of the cost alone moves a
   // minimum by 1e-7.
   double cross_check_limit_m = 1e-6;
   // Whether the start of the mocap is taken as stated, also checked by motion, or corrected by it.
   ClockSource clock = ClockSource::check;
   double clock_search_s = 3.0;   // to both sides of the stated start
-  bool repair_exchanges = true;  // left and right that a sensor has exchanged are put right
   double training_share = 0.5;   // of a take, at its start: what joint_offset learns from
   double clock_error_s = 0.005;  // between truth and sensors, as the paper states it
   std::vector<MethodSpec> methods;
 };
 
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
+
+// Those of the study, or its one.
+std::vector<Stage> stages_of(const StudySpec& study);
+
+// The study as one stage sees it, by itself.
+StudySpec at_stage(StudySpec study, const Stage& stage);
 
 // Every setting written out, defaults included: what goes into the manifest and its hash.
 Json resolved_json(StudySpec spec);

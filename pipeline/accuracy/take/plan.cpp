@@ -15,6 +15,7 @@
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
+#include "pipeline/accuracy/take/take_clocks.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/study/parallel.h"
 
@@ -135,7 +136,7 @@ void look_into(PlannedTake& planned, const std::vector<std::string>& rig, const 
     planned.session_sensor.push_back(sensor);
     planned.poses.push_back(pose_of(calibration, name, planned.take.calibration.string()));
     planned.world_from_sensor.push_back(planned.poses.back().world_from_sensor);
-    planned.host_from_sensor.push_back(fit_sensor_clock(session, sensor));
+    planned.host_from_sensor.push_back(clock_of(session, sensor, planned.stage.sensor_clocks));
     spans.push_back(span_of(session, sensor, planned.host_from_sensor.back()));
   }
   plan_instants(planned, rig, spans, study.rate_hz);
@@ -241,6 +242,19 @@ void plan_truths(Plan& plan) {
 
 Campaign takes_of(const StudySpec& study, Campaign campaign) {
   keep_conditions(study, campaign);
+  const std::vector<Take> takes = std::exchange(campaign.takes, {});
+  const bool is_one_activity =
+      std::ranges::all_of(takes, [&](const Take& take) { return take.activity == takes.front().activity; });
+  const std::vector<Stage> stages = stages_of(study);
+  for (std::size_t s = 0; s < stages.size(); ++s)
+    for (Take take : takes) {
+      if (!stages[s].name.empty()) {
+        take.id += fmt::format(".{}", s + 1);
+        take.activity = is_one_activity ? stages[s].name : take.activity + ", " + stages[s].name;
+      }
+      if (stages[s].poses != PoseSource::stated) take.calibration = stages[s].calibration;
+      campaign.takes.push_back(std::move(take));
+    }
   return campaign;
 }
 
@@ -363,7 +377,12 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
   if (plan.methods.empty())
     throw InputError("study \"" + study.name + "\" /methods", "must hold at least one method");
   plan.reference = reference_of(study, plan.methods);
-  for (const Take& take : plan.campaign.takes) plan.takes.emplace_back().take = take;
+  const std::vector<Stage> stages = stages_of(study);
+  for (const Take& take : plan.campaign.takes) {
+    const std::size_t stage = plan.takes.size() * stages.size() / plan.campaign.takes.size();
+    plan.takes.emplace_back().take = take;
+    plan.takes.back().stage = stages[stage];
+  }
   plan_truths(plan);
   look_into_all(plan, watch);
   if (plan.rig.empty())

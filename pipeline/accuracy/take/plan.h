@@ -26,6 +26,7 @@ enum class TakeTruth : std::uint8_t { mocap, left_out_sensor, nothing };
 // frame of any sensor of the rig. A take that cannot be evaluated says why.
 struct PlannedTake {
   Take take;
+  Stage stage;
   TakeTruth truth = TakeTruth::mocap;
   bool ok = false;
   std::string place, problem;
@@ -71,8 +72,8 @@ inline constexpr const char* kPredicted = ", against a left-out sensor";
 // Whether the truth of every take is what sensors see that are left out, and not mocap.
 bool leaves_sensors_out(const Plan& plan);
 
-// The takes of the conditions that the study asks for; InputError when it asks for a condition that no take
-// is.
+// The takes of the conditions that the study asks for, once for each of its stages, the first stage first;
+// InputError when it asks for a condition that no take is.
 Campaign takes_of(const StudySpec& study, Campaign campaign);
 
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a

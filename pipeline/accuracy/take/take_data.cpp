@@ -53,11 +53,11 @@ void append(TakeChecks more, TakeData& data) {
 }
 
 // The chosen person's bodies, or those that are tracked best when no person is chosen.
-BodyTracks follow(const Plan& plan, const RigBodies& seen, const PersonChoice* person,
-                  const std::vector<HostTime>& time) {
+BodyTracks follow(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
+                  const PersonChoice* person, const std::vector<HostTime>& time) {
   const Duration gap = duration_from_s(plan.study.sensor_gap_s);
-  const Duration late = duration_from_s(plan.study.frame_late_s);
-  const bool is_newest = plan.study.frames == FrameChoice::newest;
+  const Duration late = duration_from_s(planned.stage.frame_late_s);
+  const bool is_newest = planned.stage.frames == FrameChoice::newest;
   BodyTracks bodies(time.size(), seen.size());
   for (std::size_t s = 0; s < seen.size(); ++s) {
     const std::set<std::uint64_t>* wanted = person ? &person->identities[s] : nullptr;
@@ -126,11 +126,11 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
   std::optional<SensorChecks> checks;
   if (person && !person->sees_several) {
-    checks = check_sensors(plan, planned, follow(plan, seen, nullptr, data.time));
+    checks = check_sensors(plan, planned, follow(plan, planned, seen, nullptr, data.time));
     if (checks->is_one_person || (checks->misplaced && !has_truth)) person.reset();
   }
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
-  data.bodies = follow(plan, seen, person ? &*person : nullptr, data.time);
+  data.bodies = follow(plan, planned, seen, person ? &*person : nullptr, data.time);
   if (!checks) checks = check_sensors(plan, planned, data.bodies);
   data.sensor_named = !checks->notes.empty();
   data.rig_changed = checks->rig_changed;
@@ -185,7 +185,7 @@ void repair(const Plan& plan, const PlannedTake& planned, std::optional<std::siz
     data.exchanges =
         find_exchanges(data.bodies, planned.world_from_sensor, {.instant_s = 1.0 / plan.study.rate_hz});
   }
-  if (plan.study.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
+  if (planned.stage.repair_exchanges) undo_exchanges(data.bodies, data.exchanges);
 }
 
 // Makes what a sensor tracks the truth, and takes its bodies away.

@@ -12,7 +12,7 @@ namespace trilat {
 namespace {
 
 TrackingSummary sum_tracking(const Plan& plan, std::span<const TakeResult> takes) {
-  TrackingSummary summary{plan.study.name, plan.simulated, plan.study.repair_exchanges};
+  TrackingSummary summary{plan.study.name, plan.simulated, plan.study.stage.repair_exchanges};
   std::vector<PredictionSums> predictions;
   for (const TakeResult& take : takes) {
     const TakeTracking& tracking = take.tracking;
