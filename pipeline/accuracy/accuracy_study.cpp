@@ -179,6 +179,17 @@ void add_movement(const Plan& plan, const Outcome& outcome, TakeTable& table) {
                                static_cast<std::size_t>(method - plan.methods.begin()), plan.study.rate_hz);
 }
 
+// The table of stages alone comes first.
+void show_stages(const StudySpec& study, const ResultsSummary& summary, StoredTables& shown) {
+  for (Table& table : shown.tables)
+    if (table.shown == Table::Shown::first) table.shown = Table::Shown::detail;
+  std::vector<std::string> names;
+  for (const Stage& stage : study.stages) names.push_back(stage.name);
+  std::vector<Table> tables = stages_tables(shown_summary(summary), names);
+  for (Table& table : tables) table.shown = Table::Shown::first;
+  shown.tables.insert(shown.tables.begin(), tables.begin(), tables.end());
+}
+
 void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
   constexpr double kTakesShare = 0.8;  // of the progress
   std::vector<TakeResult> results;
@@ -223,6 +234,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     if (run.plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
   }
+  if (!run.plan.study.stages.empty()) show_stages(run.plan.study, summary, shown);
   for (Table& table : agreement_tables(errors)) {
     table.shown = Table::Shown::file;
     shown.tables.push_back(std::move(table));

@@ -118,13 +118,6 @@ bool asks_for_wand(const StudySpec& spec) {
                              [](const Stage& stage) { return stage.poses != PoseSource::stated; });
 }
 
-// The plan alone needs no search for the wand.
-StudySpec with_stated_poses(StudySpec spec) {
-  spec.stage.poses = PoseSource::stated;
-  for (Stage& stage : spec.stages) stage.poses = PoseSource::stated;
-  return spec;
-}
-
 // Under the study's first alignment.
 Json errors_json(const ResultsSummary& s) {
   Json rows = Json::array();
@@ -149,7 +142,7 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
               },
           .print_plan =
               [=](const Shard& shard, bool as_json, const Watch& watch) {
-                return print_plan(make_plan(with_stated_poses(spec), campaign, watch), shard, as_json);
+                return print_plan(make_plan(spec, campaign, watch), shard, as_json);
               },
           .inputs = inputs_of(campaign),
           .campaign = campaign,

@@ -48,6 +48,8 @@ struct Part {
 constexpr std::array kParts{
     Part{"Table III: every method on every take, cross-checked with Ceres", "table3", "table3", "campaign",
          "", true},
+    Part{"Table III stage by stage: the paper's system end to end", "table3_stages", "table3_stages",
+         "campaign_stages"},
     Part{"Table II: with and without occlusion compensation", "table2", "table2", "campaign"},
     Part{"Table I: threshold against error and time", "table1", "table1"},
     Part{"which reading of the paper gives its Table I", "table1_search", "table1_search"},
@@ -62,6 +64,7 @@ struct Simulated {
   const char *folder, *simulation;
 };
 constexpr std::array kCampaigns{Simulated{"campaign", "paper_campaign"},
+                                Simulated{"campaign_stages", "stages_campaign"},
                                 Simulated{"campaign_different_heights", "sensors_different_heights"},
                                 Simulated{"campaign_equal_heights", "sensors_equal_heights"}};
 

@@ -66,7 +66,8 @@ Json simulation_schema() {
 }
 
 Json campaign_schema() {
-  return schema_of({Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example", "takes": [
+  return schema_of({Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example",
+      "wand": {"session": "w.h5", "mocap": "w.csv", "asset": "wand", "mocap_start_host_ns": 0}, "takes": [
       {"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json", "mocap": "m.csv",
        "mapping": "mapping.json", "mocap_start_host_ns": 0,
        "joints": [{"method": "m", "file": "m.trc", "mapping": {"head": ["Head"]}}]}]})"),
@@ -131,7 +132,8 @@ std::string markdown_of_document(const Document& document, std::set<std::string>
 }  // namespace
 
 Json accuracy_schema() {
-  const Json example = with_methods(study("accuracy", R"({"alignments": ["mean"]})"), false);
+  const Json example = with_methods(
+      study("accuracy", R"({"alignments": ["mean"], "stages": [{"name": "a", "frames": "newest"}]})"), false);
   return schema_of({example}, [](const Json& json) { parse_study(json, "example", {}); });
 }
 

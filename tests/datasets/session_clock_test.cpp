@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/base/error.h"
+#include "datasets/session/clock/live_clock.h"
 #include "tests/datasets/simulated_clocks.h"
 
 namespace trilat {
@@ -190,6 +191,33 @@ TEST(SensorClock, WhateverStampsSayIsPlacedOrRefused) {
       EXPECT_EQ(error.place().substr(0, 2), "k1");
     }
   }
+}
+
+// Offsets of 100, 104, 99 and 200 ms with delays of 2, 8, 4 and 1 ms, answered at 1, 2, 3 and 4 s.
+TEST(LiveClock, TakesTheLeastDelayedOfTheExchangesThatItHasHad) {
+  constexpr std::int64_t kMs = 1'000'000;
+  const auto exchange = [](std::int64_t at_ms, std::int64_t offset_ms, std::int64_t delay_ms) {
+    const std::int64_t host_ms = at_ms - offset_ms;  // when it is answered
+    return ClockExchange{host_ms * kMs - delay_ms * kMs / 2, at_ms * kMs, at_ms * kMs,
+                         host_ms * kMs + delay_ms * kMs / 2};
+  };
+  const LiveClock clock(std::vector{exchange(4000, 200, 1), exchange(1000, 100, 2), exchange(2000, 104, 8),
+                                    exchange(3000, 99, 4)});
+  const auto offset_ms = [&](std::int64_t t_ms) { return t_ms - clock({t_ms * kMs}).ns / kMs; };
+  EXPECT_EQ(offset_ms(500), 100);  // before the first, it
+  EXPECT_EQ(offset_ms(1000), 100);
+  EXPECT_EQ(offset_ms(2500), 100);
+  EXPECT_EQ(offset_ms(3999), 100);
+  EXPECT_EQ(offset_ms(4000), 200);
+  EXPECT_EQ(LiveClock({})({7}).ns, 7);
+}
+
+TEST(LiveClock, ForgetsWhatIsOlderThanEightExchanges) {
+  std::vector<ClockExchange> exchanges{{0, 50, 50, 0}};  // without any delay
+  for (std::int64_t i = 1; i <= 8; ++i) exchanges.push_back({100 * i - 1, 100 * i, 100 * i, 100 * i + 1});
+  const LiveClock clock(exchanges);
+  EXPECT_EQ(clock({799}).ns, 749);
+  EXPECT_EQ(clock({800}).ns, 800);
 }
 
 TEST(SensorClock, TicksThatAreNotWhatTheySayAreRefused) {

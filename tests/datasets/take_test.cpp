@@ -27,7 +27,10 @@ TEST(CampaignFile, WhatIsWrittenIsReadBackWhereverTheFolderIsMoved) {
   const ScratchFolder folder;
   const auto here = folder / "here";
   std::filesystem::create_directories(here);
-  write_campaign(here, {"two takes", true, {take_in(here, "a"), take_in(here, "b")}});
+  write_campaign(here, {.name = "two takes",
+                        .simulated = true,
+                        .takes = {take_in(here, "a"), take_in(here, "b")},
+                        .wand = CampaignWand{here / "wand.h5", here / "wand.csv", "ball", 7}});
   std::filesystem::rename(here, folder / "there");
   const Campaign campaign = read_campaign(folder / "there");
   EXPECT_EQ(campaign.name, "two takes");
@@ -39,6 +42,11 @@ TEST(CampaignFile, WhatIsWrittenIsReadBackWhereverTheFolderIsMoved) {
   EXPECT_EQ(campaign.takes[1].calibration, expected.calibration);
   EXPECT_EQ(campaign.takes[1].mapping, expected.mapping);
   EXPECT_EQ(campaign.takes[1].mocap_start_host_ns, expected.mocap_start_host_ns);
+  ASSERT_TRUE(campaign.wand.has_value());
+  EXPECT_EQ(campaign.wand->session, folder / "there/wand.h5");
+  EXPECT_EQ(campaign.wand->mocap, folder / "there/wand.csv");
+  EXPECT_EQ(campaign.wand->asset, "ball");
+  EXPECT_EQ(campaign.wand->mocap_start_host_ns, 7);
 }
 
 // A take's paths are relative to the current directory, those in the file to the file.

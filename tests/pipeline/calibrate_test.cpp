@@ -276,6 +276,36 @@ TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
   for (std::size_t s = 0; s < 3; ++s) expect_pose(result.calibration.sensors[s], rig[s], 1e-4, 0.01);
 }
 
+// Of two positions too: the wand's own frame is turned and shifted into the export's.
+TEST(CalibrateWandVerb, PosesFromTwoPositionsAreTiedToTheExport) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(1, 0.2);
+  spec.wand = WandSpec{};
+  spec.wand->motion = {4, 0.6, 0.3};
+  const Campaign campaign = simulate_into(folder / "c", spec);
+  const std::vector<std::string> by_two{"calibrate", folder / "c/wand/session.h5", "--method",
+                                        "two_positions", "-o"};
+  auto tied = by_two, free = by_two;
+  free.push_back(folder / "free.json");
+  tied.insert(tied.end(), {folder / "tied.json", "--mocap", folder / "c/wand/mocap.csv", "--asset", "wand",
+                           "--mocap-start-host-ns",
+                           std::to_string(read_campaign(folder / "c").wand->mocap_start_host_ns)});
+  EXPECT_EQ(run_trilat(folder, free).code, 0);
+  EXPECT_EQ(run_trilat(folder, tied).code, 0);
+  const Calibration in_wand = read_calibration(folder / "free.json");
+  const Calibration in_world = read_calibration(folder / "tied.json");
+  const Calibration truth = read_calibration(folder / "c/calibration.json");
+  EXPECT_EQ(in_wand.world, "wand");
+  EXPECT_EQ(in_world.world, "optitrack");
+  for (std::size_t s = 0; s < truth.sensors.size(); ++s) {
+    EXPECT_GT((in_wand.sensors[s].world_from_sensor.translation_m -
+               truth.sensors[s].world_from_sensor.translation_m)
+                  .norm(),
+              0.3);
+    expect_pose(in_world.sensors[s], truth.sensors[s].world_from_sensor, 0.08, 3.0);
+  }
+}
+
 // Four samples 0.3 mm to one side and the other along x: squares of 0.36 mm2 in all, of the mean an axis 0.36
 // / (3 axes * 3 * 4 samples) = 0.01 mm2.
 TEST(CalibrateViews, AKnownPlaceIsAsSureAsItsSamplesAndOptiTracksCalibration) {

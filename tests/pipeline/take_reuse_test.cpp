@@ -90,12 +90,20 @@ TEST(Reuse, EveryFieldOfATakeAndOfTheCampaignIsInTheKey) {
 TEST(Reuse, EverySettingThatDecidesSamplesIsInTheKeyAndNoOther) {
   const Divided work(1, false);
   const std::map<std::string, std::string> deciding{
-      {"sensors", R"(["k1", "k2"])"},    {"joints", R"(["head"])"},
-      {"truth", R"("left_out_sensor")"}, {"rate_hz", "15"},
-      {"sensor_gap_s", "0.2"},           {"truth_gap_s", "0.1"},
-      {"clock", R"("motion")"},          {"clock_search_s", "1"},
-      {"repair_exchanges", "false"},     {"frames", R"("newest")"},
-      {"clock_error_s", "0.01"},         {"methods", R"([{"method": "nonlinear", "max_iterations": 7}])"}};
+      {"sensors", R"(["k1", "k2"])"},
+      {"joints", R"(["head"])"},
+      {"truth", R"("left_out_sensor")"},
+      {"rate_hz", "15"},
+      {"sensor_gap_s", "0.2"},
+      {"truth_gap_s", "0.1"},
+      {"clock", R"("motion")"},
+      {"clock_search_s", "1"},
+      {"repair_exchanges", "false"},
+      {"frames", R"("newest")"},
+      {"poses", R"("wand")"},
+      {"sensor_clocks", R"("causal")"},
+      {"clock_error_s", "0.01"},
+      {"methods", R"([{"method": "nonlinear", "max_iterations": 7}])"}};
   const std::map<std::string, std::string> others{
       {"name", R"("another")"},       {"conditions", R"(["walking", "arm_swing"])"},
       {"occluded_apart", "true"},     {"reference", R"("nonlinear")"},

@@ -80,10 +80,28 @@ def lower_hull(x, y):
     return hull
 
 
+def arrivals_ns(sensor):
+    """Host time at which every body frame came to its machine."""
+    return host_from_machine(sensor["clock_exchanges_ns"][:])(sensor["body_frames/arrival_ns"][:])
+
+
+def live_frame_times_ns(sensor):
+    """The same of a live system: arrival by the exchange of least delay of the last eight that it had."""
+    exchanges_ns, frames_ns = sensor["clock_exchanges_ns"][:], sensor["body_frames/arrival_ns"][:]
+    t1, t2, t3, t4 = exchanges_ns[np.argsort(exchanges_ns[:, 2], kind="stable")].T
+    delay_ns, twice_ns = (t4 - t1) - (t3 - t2), (t1 - t2) + (t4 - t3)
+    host_ns = np.empty_like(frames_ns)
+    for i, arrival_ns in enumerate(frames_ns):
+        known = max(1, np.searchsorted(t3, arrival_ns, side="right"))
+        first = max(0, known - 8)
+        host_ns[i] = arrival_ns + int(twice_ns[first + np.argmin(delay_ns[first:known])] / 2)
+    return host_ns - int(sensor.attrs["latency_ns"])
+
+
 def frame_times_ns(sensor):
     """Host time of every body frame: the edge over the middle of the lower hull of arrivals against ticks."""
     device_ns = sensor["body_frames/device_ticks"][:] * int(sensor.attrs["tick_ns"])
-    arrival_ns = host_from_machine(sensor["clock_exchanges_ns"][:])(sensor["body_frames/arrival_ns"][:])
+    arrival_ns = arrivals_ns(sensor)
     late_ns = arrival_ns - device_ns
     x, y = (device_ns - device_ns[0]).tolist(), (late_ns - late_ns[0]).tolist()
     hull = lower_hull(x, y)
@@ -140,6 +158,18 @@ def body_at(frame_ns, position_m, state, time_ns, longest_gap_ns):
     there = exact | ((time_ns > frame_ns[0]) & (time_ns < frame_ns[-1]) & (gap_ns <= longest_gap_ns))
     there = there[:, None] & (joint_state > 0)
     return np.where(there[:, :, None], joint_m, np.float32(np.nan)), np.where(there, joint_state, 0)
+
+
+def newest_body(frame_ns, position_m, state, arrived_ns, time_ns, longest_gap_ns, late_ns):
+    """The same of the newest frame that had arrived by each instant, not too late after its exposure."""
+    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(frame_ns)) > 0]) & (arrived_ns - frame_ns <= late_ns)
+    frame_ns, position_m, state, arrived_ns = (a[rising] for a in (frame_ns, position_m, state, arrived_ns))
+    joint_m, joint_state = np.full((len(time_ns), 25, 3), np.nan, np.float32), np.zeros((len(time_ns), 25), np.uint8)
+    for i, t_ns in enumerate(time_ns):
+        there = np.flatnonzero((frame_ns <= t_ns) & (arrived_ns <= t_ns) & (t_ns - frame_ns <= longest_gap_ns))
+        if len(there) > 0:
+            joint_m[i], joint_state[i] = position_m[there[-1]], state[there[-1]]
+    return joint_m, joint_state
 
 
 def crossings(in_sensor_m, rule):
@@ -212,20 +242,29 @@ def truth_at(take_folder, mocap, mapping, joints, time_ns, longest_gap_ns):
 class TakeAtInstants:
     """One take: time_ns, truth_m, and of each sensor what it gives in the world; arrays instants x joints x sensors."""
 
-    def __init__(self, folder, take, joints, sensors, rate_hz=30.0, sensor_gap_s=0.11, truth_gap_s=0.055):
+    def __init__(self, folder, take, joints, sensors, rate_hz=30.0, sensor_gap_s=0.11, truth_gap_s=0.055, late_s=0.033,
+                 stage=None):
+        stage = stage or {}
         folder = pathlib.Path(folder)
         self.id, self.participant, self.joints, self.sensors = take["id"], take["participant"], joints, sensors
         poses = {s["name"]: s for s in json.loads((folder / take["calibration"]).read_text())["sensors"]}
         self.sensor_m = np.array([poses[name]["position_m"] for name in sensors])
         with h5py.File(folder / take["session"]) as session:
             groups = [session["sensors"][name] for name in sensors]
-            frames = [(frame_times_ns(group), *bodies_of_frames(group)) for group in groups]
+            times_ns = live_frame_times_ns if stage.get("sensor_clocks") == "causal" else frame_times_ns
+            frames = [(times_ns(group), *bodies_of_frames(group)) for group in groups]
+            arrived_ns = [arrivals_ns(group) for group in groups]
         first_ns, last_ns = min(f[0][0] for f in frames), max(f[0][-1] for f in frames)
         count = int(np.floor((last_ns - first_ns) / 1e9 * rate_hz)) + 1
         self.time_ns = first_ns + rounded(np.arange(count) / rate_hz * 1e9)
         self.truth_m = truth_at(folder, take["mocap"], take["mapping"], joints,
                                 self.time_ns - take["mocap_start_host_ns"], round(truth_gap_s * 1e9))
-        seen = [body_at(*frame, self.time_ns, round(sensor_gap_s * 1e9)) for frame in frames]
+        gap_ns, late_ns = round(sensor_gap_s * 1e9), round(late_s * 1e9)
+        if stage.get("frames") == "newest":
+            seen = [newest_body(*frame, arrived, self.time_ns, gap_ns, late_ns)
+                    for frame, arrived in zip(frames, arrived_ns)]
+        else:
+            seen = [body_at(*frame, self.time_ns, gap_ns) for frame in frames]
         self.all_state = np.stack([state for _, state in seen], axis=1)  # instants x sensors x 25
         in_sensor_m = np.stack([joint_m for joint_m, _ in seen], axis=1).astype(float)
         rotations = np.array([rotation_of(poses[name]["rotation_xyzw"]) for name in sensors])

@@ -39,8 +39,12 @@ SIMULATIONS = {
     # A person whose intervals are between blocks of time, seen by three sensors; arms and legs have markers in turn.
     "one person": {"activities": [{"name": "arm_swing", "duration_s": 12}, {"name": "leg_crossing", "duration_s": 16}], "participants": 1,
                    "body_tracker": {}, "rig": {"heights_m": [0.6, 2.2, 0.9]}},
+    "stages": SHORT,
     "one take": {"activities": [{"name": "walking", "duration_s": 11}], "participants": 1, "body_tracker": {},
                  "rig": {"heights_m": [0.6, 2.2, 0.9]}}}
+# What a study's stages change, one after the other.
+STAGES = {"stages": [{"name": "as recorded"}, {"name": "live clocks", "sensor_clocks": "causal"},
+                     {"name": "newest frames", "frames": "newest"}]}
 OF_THREE_SENSORS = ("nonlinear", "mean", "median", "geometric")
 
 # Each method's entry in the study and how it is computed again: solver, sensors, settings.
@@ -280,6 +284,7 @@ class Results:
         study = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": name, "alignments": ALIGNMENTS,
                  "reference": REFERENCE, "clock": "stated", "repair_exchanges": False,
                  "occluded_apart": True,
+                 **({"stages": STAGES[name]} if name in STAGES else {}),
                  "methods": [{"name": method, **entry[0]} for method, entry in METHODS.items() if not three or method in OF_THREE_SENSORS]}
         (folder / f"{name}_simulation.json").write_text(json.dumps(simulation))
         (folder / f"{name}_study.json").write_text(json.dumps(study))
@@ -294,8 +299,14 @@ class Results:
             with h5py.File(item / "take.h5") as file:
                 self.samples.append(Samples(file))
         entries = json.loads((folder / name / "campaign.json").read_text())["takes"]
-        self.takes = [read_take.TakeAtInstants(folder / name, e, self.samples[0].joints, SENSORS[:3] if three else SENSORS)
-                      for e in entries]
+        self.takes, stage = [], {}
+        for number, changes in enumerate(STAGES.get(name, [{}]), 1):
+            stage = {**stage, **changes}
+            for entry in entries:
+                take = read_take.TakeAtInstants(folder / name, entry, self.samples[0].joints,
+                                                SENSORS[:3] if three else SENSORS, stage=stage)
+                take.id += f".{number}" if name in STAGES else ""
+                self.takes.append(take)
         columns = trilat.results(results).columns()
         self.error_m = np.stack([columns[f"error_{axis}_m"] for axis in "xyz"], axis=1)
 

@@ -60,9 +60,6 @@ void tell(Settings& s, Stage& stage) {
 }
 
 void read_stages(JsonObject& object, StudySpec& spec) {
-  object.about({{"stages",
-                 "each a condition of its own: a name, and what changes beside the stage before (poses, "
-                 "sensor_clocks, frames, frame_late_s, repair_exchanges)"}});
   if (!object.has("stages")) return;
   Stage stage = spec.stage;
   std::set<std::string> names;
@@ -76,6 +73,9 @@ void read_stages(JsonObject& object, StudySpec& spec) {
     entry.finish();
     spec.stages.push_back(stage);
   }
+  object.about({{"stages",
+                 "each a condition of its own: a name, and what changes beside the stage before (poses, "
+                 "sensor_clocks, frames, frame_late_s, repair_exchanges)"}});
   if (spec.stages.empty()) object.refuse("stages", "must hold at least one stage");
 }
 

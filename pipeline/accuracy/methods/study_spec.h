@@ -42,7 +42,8 @@ struct Stage {
   // With the newest frame: one that arrives longer after its exposure is dropped; the paper's real time.
   double frame_late_s = 0.033;
   bool repair_exchanges = true;  // left and right that a sensor has exchanged are put right
-  // Of the sensors, where the poses are not the stated ones: with_wand_poses() fills it.
+  // Of the sensors, where the poses are not the stated ones: with_wand_poses() fills it. A plan for people to
+  // read does without.
   std::filesystem::path calibration = {};
 };
 

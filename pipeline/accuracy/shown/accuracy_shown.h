@@ -30,6 +30,10 @@ std::vector<Table> article_tables(const ResultsSummary& summary);
 // Whether the paper's Table III may stand beside: walking, relative to the mean, against motion capture.
 bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);
 
+// Every method at every stage of a study, with its change from the stage before, participants paired; a table
+// an activity. `stages`: the names, in their order.
+std::vector<Table> stages_tables(const ResultsSummary& summary, const std::vector<std::string>& stages);
+
 // Errors of the leading methods by take, a table a condition, the largest error of the best method first.
 // Empty without more than one take.
 std::vector<Table> takes_tables(const ResultsSummary& summary);

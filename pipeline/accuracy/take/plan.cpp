@@ -252,7 +252,7 @@ Campaign takes_of(const StudySpec& study, Campaign campaign) {
         take.id += fmt::format(".{}", s + 1);
         take.activity = is_one_activity ? stages[s].name : take.activity + ", " + stages[s].name;
       }
-      if (stages[s].poses != PoseSource::stated) take.calibration = stages[s].calibration;
+      if (!stages[s].calibration.empty()) take.calibration = stages[s].calibration;
       campaign.takes.push_back(std::move(take));
     }
   return campaign;
