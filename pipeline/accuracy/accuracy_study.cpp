@@ -179,13 +179,15 @@ void add_movement(const Plan& plan, const Outcome& outcome, TakeTable& table) {
                                static_cast<std::size_t>(method - plan.methods.begin()), plan.study.rate_hz);
 }
 
-// The table of stages alone comes first.
-void show_stages(const StudySpec& study, const ResultsSummary& summary, StoredTables& shown) {
+// The table and the figure of stages come first, and no other.
+void show_stages(const StudySpec& study, const ResultsSummary& summary, StoredTables& shown,
+                 StoredFigures& figures) {
   for (Table& table : shown.tables)
     if (table.shown == Table::Shown::first) table.shown = Table::Shown::detail;
   std::vector<std::string> names;
   for (const Stage& stage : study.stages) names.push_back(stage.name);
-  std::vector<Table> tables = stages_tables(shown_summary(summary), names);
+  figures.figures = stages_figures(summary, names);
+  std::vector<Table> tables = stages_tables(summary, names);
   for (Table& table : tables) table.shown = Table::Shown::first;
   shown.tables.insert(shown.tables.begin(), tables.begin(), tables.end());
 }
@@ -234,15 +236,15 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     if (run.plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
   }
-  if (!run.plan.study.stages.empty()) show_stages(run.plan.study, summary, shown);
   for (Table& table : agreement_tables(errors)) {
     table.shown = Table::Shown::file;
     shown.tables.push_back(std::move(table));
   }
-  store_tables(folder, std::move(shown));
   StoredFigures figures{accuracy_figures(shown_summary(summary))};
   for (Figure& figure : angle_figures(shown_summary(summary), angles))
     figures.figures.push_back(std::move(figure));
+  if (!run.plan.study.stages.empty()) show_stages(run.plan.study, summary, shown, figures);
+  store_tables(folder, std::move(shown));
   write_beside(folder, figures);
   write_summary(folder, summary);
   watch.tell(1.0);

@@ -31,8 +31,9 @@ std::vector<Table> article_tables(const ResultsSummary& summary);
 bool is_like_the_papers(const ResultsSummary& summary, const std::string& condition);
 
 // Every method at every stage of a study, with its change from the stage before, participants paired; a table
-// an activity. `stages`: the names, in their order.
+// and a figure an activity. `stages`: the names in their order, at least one.
 std::vector<Table> stages_tables(const ResultsSummary& summary, const std::vector<std::string>& stages);
+std::vector<Figure> stages_figures(const ResultsSummary& summary, const std::vector<std::string>& stages);
 
 // Errors of the leading methods by take, a table a condition, the largest error of the best method first.
 // Empty without more than one take.

@@ -32,49 +32,95 @@ TableValue change_cell(const ResultsSummary& s, const std::string& from, const s
   return no_cell();
 }
 
-Table stages_table(const ResultsSummary& s, const std::string& activity,
-                   const std::vector<std::string>& conditions, const std::vector<std::string>& stages) {
-  const std::string& alignment = s.alignments.front();
+// The conditions of one activity, by stage.
+struct StagesOf {
+  std::string activity;  // empty: the only one
+  std::vector<std::string> conditions;
+};
+
+std::vector<StagesOf> activities_of(const ResultsSummary& s, const std::vector<std::string>& stages) {
+  std::vector<StagesOf> activities;
+  for (const std::string& first : s.conditions) {
+    if (!first.ends_with(stages.front())) continue;
+    const std::string before = first.substr(0, first.size() - stages.front().size());  // "walking, "
+    StagesOf& entry = activities.emplace_back();
+    entry.activity = before.substr(0, before.find_last_of(','));
+    for (const std::string& stage : stages) entry.conditions.push_back(before + stage);
+  }
+  return activities;
+}
+
+const SummaryCell* average_cell(const ResultsSummary& s, const std::string& method,
+                                const std::string& condition) {
+  return find_cell(s, method, condition, average_group(s), s.alignments.front());
+}
+
+Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vector<std::string>& stages) {
   Table table;
-  table.id = usable_id("stages-" + activity);
+  table.id = usable_id(of.activity.empty() ? "stages" : "stages-" + of.activity);
   table.title = fmt::format(
       "Stage by stage: mean error in cm, average of the joint groups, and how it changes "
       "from the stage before ({})",
-      about(s, activity, alignment));
-  table.columns = {{"stage", "stage", true}};
-  for (const std::string& method : s.methods) {
-    table.columns.push_back(interval_column(method + " (cm)", method + "_mae_cm"));
-    table.columns.push_back(interval_column("change of " + method + " (cm)", method + "_change_cm"));
-    table.columns.push_back({"answered by " + method + " (%)", method + "_answered_percent"});
-  }
-  for (std::size_t i = 0; i < stages.size(); ++i) {
-    std::vector<TableValue> cells{TableValue::of(stages[i])};
-    for (const std::string& method : s.methods) {
-      const SummaryCell* cell = find_cell(s, method, conditions[i], average_group(s), alignment);
-      cells.push_back(cell ? cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m) : no_cell());
-      cells.push_back(i > 0 ? change_cell(s, conditions[i - 1], conditions[i], method) : no_cell());
-      cells.push_back(cell ? percent_cell(cell->coverage()) : no_cell());
+      about(s, of.activity, s.alignments.front()));
+  table.columns = {{"method", "method", true},
+                   {"stage", "stage", true},
+                   interval_column("error (cm)", "mae_cm"),
+                   interval_column("change (cm)", "change_cm"),
+                   {"answered (%)", "answered_percent"}};
+  for (const std::string& method : s.methods)
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+      const SummaryCell* cell = average_cell(s, method, of.conditions[i]);
+      table.rows.push_back(
+          {TableValue::of(method), TableValue::of(stages[i]),
+           cell ? cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m) : no_cell(),
+           i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], method) : no_cell(),
+           cell ? percent_cell(cell->coverage()) : no_cell()});
     }
-    table.rows.push_back(std::move(cells));
-  }
   add_notes(table, "stages");
   table.notes.push_back(interval_note(s));
   return table;
+}
+
+Figure stages_figure(const ResultsSummary& s, const StagesOf& of, const std::vector<std::string>& stages) {
+  Figure figure;
+  figure.id = usable_id(of.activity.empty() ? "stages" : "stages-" + of.activity);
+  figure.title = "Mean error stage by stage";
+  figure.caption = fmt::format(
+      "{}{}, {} participant{}: mean error over the joint groups with its 95 % interval, each stage with what "
+      "the "
+      "stages above it changed.",
+      s.simulated ? "Simulated" : "Recorded", of.activity.empty() ? "" : " " + of.activity, s.participants,
+      s.participants == 1 ? "" : "s");
+  figure.x_label = "mean error (cm)";
+  figure.y_names = stages;
+  for (const std::string& method : s.methods) {
+    FigureSeries series{method, FigureSeries::Style::dots, {}, {}, method};
+    if (method.find(',') != std::string::npos) series.method.clear();  // the colour of its kind is another's
+    for (std::size_t i = 0; i < stages.size(); ++i)
+      if (const SummaryCell* cell = average_cell(s, method, of.conditions[i]))
+        series.points.push_back({cell->mae_m * kCentimetresPerMetre, static_cast<double>(i),
+                                 cell->mae_low_m * kCentimetresPerMetre,
+                                 cell->mae_high_m * kCentimetresPerMetre});
+    figure.series.push_back(std::move(series));
+  }
+  figure.is_first = true;
+  return figure;
 }
 
 }  // namespace
 
 std::vector<Table> stages_tables(const ResultsSummary& summary, const std::vector<std::string>& stages) {
   std::vector<Table> tables;
-  for (const std::string& first : summary.conditions) {
-    if (stages.empty() || !first.ends_with(stages.front())) continue;
-    const std::string before = first.substr(0, first.size() - stages.front().size());
-    std::vector<std::string> conditions;
-    for (const std::string& stage : stages) conditions.push_back(before + stage);
-    const std::string activity = before.empty() ? "" : before.substr(0, before.size() - 2);  // without ", "
-    tables.push_back(stages_table(summary, activity, conditions, stages));
-  }
+  for (const StagesOf& of : activities_of(summary, stages))
+    tables.push_back(stages_table(summary, of, stages));
   return tables;
+}
+
+std::vector<Figure> stages_figures(const ResultsSummary& summary, const std::vector<std::string>& stages) {
+  std::vector<Figure> figures;
+  for (const StagesOf& of : activities_of(summary, stages))
+    figures.push_back(stages_figure(summary, of, stages));
+  return figures;
 }
 
 }  // namespace trilat
