@@ -16,7 +16,7 @@ bool speaks_of_the_paper(const ResultsHead& head) {
     return head.study == "table3" || head.study == "table2" || head.study.starts_with("sensors_");
   return (head.kind == StudyKind::threshold_sweep && head.study == "table1_search") ||
          (head.kind == StudyKind::calibration && head.study == "calibration") ||
-         (head.kind == StudyKind::recording && head.study == "table4");
+         (head.kind == StudyKind::clocks && head.study == "clocks");
 }
 
 }  // namespace

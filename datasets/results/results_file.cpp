@@ -13,7 +13,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "recording"};
+const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "clocks"};
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 10;
@@ -36,6 +36,8 @@ std::string what_it_is_instead(const std::filesystem::path& folder) {
 void refuse_removed(JsonObject& object) {
   if (object.value("kind") == "variations")
     object.refuse("kind", "\"variations\" was removed; scripts/vary varies a simulation");
+  if (object.value("kind") == "recording")
+    object.refuse("kind", "\"recording\" was removed; kind clocks takes a campaign's sessions");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace trilat {
 
 // Of a study and of its results.
-enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration, recording };
+enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration, clocks };
 std::string name_of(StudyKind kind);  // "accuracy", …
 // What the study says; InputError when that is none.
 StudyKind study_kind(const Json& study, const std::string& place);

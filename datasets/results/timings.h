@@ -29,28 +29,6 @@ struct TimeSpread {
   TRILAT_FIELDS(n, bins, median_s, p95_s, p99_s, p999_s, max_s)
 };
 
-// From the depth images to the joints: body tracking as the study declares it, and trilateration as measured.
-inline constexpr const char* kDepthToJoints = "body tracking (simulated) and trilateration";
-
-// What a frame costs in one stage of its way, measured.
-struct StageTiming {
-  std::string name;    // "trilateration"
-  std::string method;  // of the stage, where it has several; else empty
-  TimeSpread time;     // a frame
-
-  TRILAT_FIELDS(name, method, time)
-};
-
-// What differs from machine to machine and run to run.
-struct StageTimings {
-  static constexpr const char *kFile = "timings.json", *kFormat = "trilat.stage_timings";
-  std::string study;
-  std::string processor;
-  std::vector<StageTiming> stages;
-
-  TRILAT_FIELDS(study, processor, stages)
-};
-
 // What differs from machine to machine and run to run.
 struct SweepTimings {
   static constexpr const char *kFile = "timings.json", *kFormat = "trilat.timings";

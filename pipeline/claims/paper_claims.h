@@ -16,7 +16,7 @@ namespace trilat {
 // How the numbers of a claim come about; monostate: none are needed.
 using ClaimMeasure =
     std::variant<std::monostate, Measurements (*)(const ErrorMeasures&),
-                 Measurements (*)(const SweepSummary&), Measurements (*)(const RecordingSummary&),
+                 Measurements (*)(const SweepSummary&), Measurements (*)(const ClocksSummary&),
                  Measurements (*)(const CalibrationSummary&)>;
 
 // Which claims count as one of a family of tests.
@@ -53,7 +53,7 @@ bool needs_movement(const std::string& study);
 // Every number that a study's results bear on, of claims and errata, as it is stored with them.
 std::vector<ClaimNumber> claims_of(const StudyErrors& errors);
 std::vector<ClaimNumber> claims_of(const SweepSummary& summary);
-std::vector<ClaimNumber> claims_of(const RecordingSummary& summary);
+std::vector<ClaimNumber> claims_of(const ClocksSummary& summary);
 std::vector<ClaimNumber> claims_of(const CalibrationSummary& summary);
 
 }  // namespace trilat

@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kRuns = "runs of a sensor";
+constexpr const char* kRuns = "recordings of a sensor";
 constexpr const char* kUnits = "sensor units";
 
 // By unit, the sums of the errors of the wand's distance within a zone: what a laser meter can tell.
@@ -91,9 +91,9 @@ Measurements acceptable_readings(const SweepSummary& s) {
        .over = "readings, all of them listed"}};
 }
 
-Measurements clock_share(const RecordingSummary& recording, const std::string& method, double below_s) {
+Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s) {
   Measurements measured;
-  for (const ClockErrorRow& row : recording.clocks) {
+  for (const ClockErrorRow& row : clocks.clocks) {
     if (row.method != method) continue;
     std::vector<double> below, asked;
     for (const ClockUnit& unit : row.units) {
@@ -101,15 +101,14 @@ Measurements clock_share(const RecordingSummary& recording, const std::string& m
       asked.push_back(static_cast<double>(unit.asked));
     }
     measured.push_back(
-        {.what = row.network, .unit = "%", .number = estimate_share(below, asked), .over = kRuns});
+        {.what = clocks.campaign, .unit = "%", .number = estimate_share(below, asked), .over = kRuns});
   }
-  return measured.empty() ? lacking("a recording study with clocks " + method) : measured;
+  return measured.empty() ? lacking("a study of clocks with clocks " + method) : measured;
 }
 
-Measurements queue_share(const RecordingSummary& recording, const std::string& method,
-                         const std::string& server) {
+Measurements queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server) {
   Measurements measured;
-  for (const QueueRow& row : recording.queues) {
+  for (const QueueRow& row : clocks.queues) {
     if (row.method != method || row.server != server) continue;
     std::vector<double> taken, came;
     for (const QueueUnit& unit : row.units) {
@@ -117,9 +116,9 @@ Measurements queue_share(const RecordingSummary& recording, const std::string& m
       came.push_back(static_cast<double>(unit.came));
     }
     measured.push_back(
-        {.what = row.network, .unit = "%", .number = estimate_share(taken, came), .over = kRuns});
+        {.what = clocks.campaign, .unit = "%", .number = estimate_share(taken, came), .over = kRuns});
   }
-  return measured.empty() ? lacking("a recording study with the queue of " + method) : measured;
+  return measured.empty() ? lacking("a study of clocks with the queue of " + method) : measured;
 }
 
 Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, double less_m) {

@@ -7,7 +7,7 @@
 
 #include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/claims/claim_number.h"
-#include "pipeline/recording/recording_summary.h"
+#include "pipeline/clocks/clocks_summary.h"
 #include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
@@ -16,12 +16,11 @@ namespace trilat {
 // which a smaller threshold costs twice the steps and gains a tenth of accuracy. They are listed, not drawn.
 Measurements acceptable_readings(const SweepSummary& sweep);
 
-// The share of clock errors below 2 or 4 ms by one way to correct clocks, over each network.
-Measurements clock_share(const RecordingSummary& recording, const std::string& method, double below_s);
+// The share of clock errors below 2 or 4 ms by one way to correct clocks.
+Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s);
 
-// The share of frames that the paper's queue takes, over each network; `server`: when it takes them out.
-Measurements queue_share(const RecordingSummary& recording, const std::string& method,
-                         const std::string& server);
+// The share of frames that the paper's queue takes; `server`: when it takes them out.
+Measurements queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server);
 
 // Where a ball is seen: from the first distance (angle from the central line) to below the second.
 struct WandZone {

@@ -92,8 +92,23 @@ void print_cross_check(const ResultsSummary& summary) {
   }
 }
 
-Campaign campaign_of(const StudySpec& study, const RunArguments& arguments) {
-  const std::filesystem::path folder = arguments.campaign.empty() ? study.campaign : arguments.campaign;
+bool asks_for_wand(const StudySpec& spec) {
+  return std::ranges::any_of(stages_of(spec),
+                             [](const Stage& stage) { return stage.poses != PoseSource::stated; });
+}
+
+// Under the study's first alignment.
+Json errors_json(const ResultsSummary& s) {
+  Json rows = Json::array();
+  for (const SummaryCell& c : s.cells)
+    if (c.alignment == s.alignments.front()) rows.push_back(json_of(c));
+  return rows;
+}
+
+}  // namespace
+
+Campaign campaign_of(const std::filesystem::path& of_study, const RunArguments& arguments) {
+  const std::filesystem::path folder = arguments.campaign.empty() ? of_study : arguments.campaign;
   if (folder.empty())
     throw InputError(arguments.study.string() + " /campaign",
                      "is missing; name it there or with --campaign DIR");
@@ -110,27 +125,13 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
   std::vector<std::filesystem::path> inputs{campaign.folder};
   for (const Take& t : campaign.takes)
     inputs.insert(inputs.end(), {t.session, t.calibration, t.mocap, t.mapping});
+  if (campaign.wand) inputs.insert(inputs.end(), {campaign.wand->session, campaign.wand->mocap});
   return inputs;
 }
 
-bool asks_for_wand(const StudySpec& spec) {
-  return std::ranges::any_of(stages_of(spec),
-                             [](const Stage& stage) { return stage.poses != PoseSource::stated; });
-}
-
-// Under the study's first alignment.
-Json errors_json(const ResultsSummary& s) {
-  Json rows = Json::array();
-  for (const SummaryCell& c : s.cells)
-    if (c.alignment == s.alignments.front()) rows.push_back(json_of(c));
-  return rows;
-}
-
-}  // namespace
-
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   const StudySpec spec = parse_study(json, arguments.study.string(), arguments.study.parent_path());
-  const Campaign campaign = campaign_of(spec, arguments);
+  const Campaign campaign = campaign_of(spec.campaign, arguments);
   const auto hashes = std::make_shared<HashCache>();
   hashes->load(arguments.output);
   const bool cross_check = arguments.cross_check;

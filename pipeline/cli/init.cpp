@@ -18,6 +18,7 @@
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/accuracy/proposals.h"
+#include "pipeline/cli/kinds.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 
@@ -75,20 +76,6 @@ struct Found {
   std::vector<std::string> notes;
   JointMapping mapping;  // empty where one is there already, or no take has mocap
 };
-
-// All that end so, below a folder, in order; not in folders of results.
-std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::string>& extensions) {
-  std::vector<fs::path> files;
-  auto entry = fs::recursive_directory_iterator(folder);
-  for (; entry != fs::recursive_directory_iterator(); ++entry) {
-    if (entry->is_directory() && fs::exists(entry->path() / "manifest.json"))
-      entry.disable_recursion_pending();
-    if (entry->is_regular_file() && extensions.contains(entry->path().extension().string()))
-      files.push_back(entry->path());
-  }
-  std::ranges::sort(files);
-  return files;
-}
 
 // The nearest one, from the recording's folder up to the campaign's.
 fs::path nearest_file(const std::string& name, fs::path from, const fs::path& top) {

@@ -6,14 +6,18 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
+#include "datasets/results/results_file.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/print_stored.h"
-#include "pipeline/recording/recording_study.h"
+#include "pipeline/clocks/clocks_study.h"
 #include "pipeline/sweep/sweep_study.h"
 
 namespace trilat {
 namespace {
+
+namespace fs = std::filesystem;
 
 // An opened study that is planned at once.
 OpenedStudy opened(Study study, const Json& plan, const std::string& text) {
@@ -38,20 +42,47 @@ OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
                   spec.distortion_units, spec.runs, spec.positions, images));
 }
 
-OpenedStudy open_recording(const RunArguments& arguments, const Json& study) {
-  const RecordingSpec spec = parse_recording_spec(study, arguments.study.string());
-  return opened(
-      recording_study(spec),
-      {{"study", resolved_json(spec)}, {"samples_of_each_network", spec.runs * spec.sensors * spec.frames}},
-      fmt::format("study {} (simulated): {} networks, of each {} runs x {} sensors x {} frames; {} methods "
-                  "timed on {} frames",
-                  spec.name, spec.networks.size(), spec.runs, spec.sensors, spec.frames, spec.methods.size(),
-                  spec.frames));
+// A campaign, or a folder of recordings without campaign.json, or one session.
+Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) {
+  const fs::path folder = arguments.campaign.empty() ? of_study : arguments.campaign;
+  const bool is_session = folder.extension() == ".h5" && fs::is_regular_file(folder);
+  if (!is_session &&
+      (!fs::is_directory(folder) || fs::exists(folder / "campaign.json") || fs::exists(folder / "items")))
+    return campaign_of(of_study, arguments);
+  Campaign campaign;
+  campaign.name = fs::absolute(folder).lexically_normal().stem().string();
+  campaign.folder = is_session ? folder.parent_path() : folder;
+  for (const fs::path& file : is_session ? std::vector{folder} : files_below(folder, {".h5"})) {
+    Take& take = campaign.takes.emplace_back();
+    take.id = is_session ? file.filename().string() : file.lexically_relative(folder).generic_string();
+    take.session = file;
+  }
+  if (campaign.takes.empty())
+    throw InputError(folder.string(),
+                     "holds no campaign.json and no recording (session.h5); `trilat record` makes one");
+  return campaign;
+}
+
+OpenedStudy open_clocks(const RunArguments& arguments, const Json& study) {
+  const ClocksSpec spec = parse_clocks_spec(study, arguments.study.string(), arguments.study.parent_path());
+  const Campaign campaign = recordings_of(spec.campaign, arguments);
+  const auto hashes = std::make_shared<HashCache>();
+  hashes->load(arguments.output);
+  std::uint64_t sessions = campaign.wand.has_value();
+  for (const Take& take : campaign.takes) sessions += !take.session.empty();
+  OpenedStudy opened_study = opened(
+      clocks_study(spec, campaign, hashes),
+      {{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"sessions", sessions}},
+      fmt::format("study {} on campaign {}: clocks of {} sessions", spec.name, campaign.name, sessions));
+  opened_study.inputs = inputs_of(campaign);
+  opened_study.campaign = campaign;
+  return opened_study;
 }
 
 int print_tables(const std::filesystem::path& results, Json document, const Shown& shown) {
   if (shown.json) {
-    document.update(Json{{"results", results.string()}, {"simulated", true}});
+    document.update(
+        Json{{"results", results.string()}, {"simulated", read_results_json(results).at("simulated")}});
     fmt::print("{}\n", json_text(document, 2));
     return kDone;
   }
@@ -62,6 +93,19 @@ int print_tables(const std::filesystem::path& results, Json document, const Show
 
 }  // namespace
 
+std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::string>& extensions) {
+  std::vector<fs::path> files;
+  auto entry = fs::recursive_directory_iterator(folder);
+  for (; entry != fs::recursive_directory_iterator(); ++entry) {
+    if (entry->is_directory() && fs::exists(entry->path() / "manifest.json"))
+      entry.disable_recursion_pending();
+    if (entry->is_regular_file() && extensions.contains(entry->path().extension().string()))
+      files.push_back(entry->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
       {StudyKind::accuracy, "takes", "", open_accuracy, print_accuracy, accuracy_schema},
@@ -70,8 +114,7 @@ const std::vector<Kind>& kinds() {
        sweep_schema},
       {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
        print_tables, calibration_study_schema},
-      {StudyKind::recording, "items", "a recording study simulates its own recordings", open_recording,
-       print_tables, recording_schema}};
+      {StudyKind::clocks, "items", "", open_clocks, print_tables, clocks_schema}};
   return kinds;
 }
 

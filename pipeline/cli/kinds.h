@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,14 @@ const std::vector<Kind>& kinds();
 // Null when the kind is another.
 const Kind* find_kind(const std::string& name);
 
+// The campaign that the command line names, else the study's; InputError where neither does.
+Campaign campaign_of(const std::filesystem::path& of_study, const RunArguments& arguments);
+// All files that end so, below a folder, in order; not in folders of results.
+std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder,
+                                               const std::set<std::string>& extensions);
+// Everything that it reads.
+std::vector<std::filesystem::path> inputs_of(const Campaign& campaign);
+
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
 int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown);
 OpenedStudy open_sweep(const RunArguments& arguments, const Json& study);
@@ -73,6 +82,6 @@ int print_sweep(const std::filesystem::path& results, Json document, const Shown
 Json accuracy_schema();
 Json sweep_schema();
 Json calibration_study_schema();
-Json recording_schema();
+Json clocks_schema();
 
 }  // namespace trilat

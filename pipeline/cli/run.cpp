@@ -20,8 +20,10 @@ void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
   if (!kind.no_campaign.empty() && (!arguments.campaign.empty() || !arguments.calibration.empty()))
     throw InputError(arguments.campaign.empty() ? "--calibration" : "--campaign",
                      "is of no use: " + kind.no_campaign);
-  if (arguments.cross_check && kind.kind != StudyKind::accuracy)
-    throw InputError("--cross-check", "is for studies of kind accuracy");
+  for (const auto& [option, is_given] : {std::pair{"--cross-check", arguments.cross_check},
+                                         std::pair{"--calibration", !arguments.calibration.empty()}})
+    if (is_given && kind.kind != StudyKind::accuracy)
+      throw InputError(option, "is for studies of kind accuracy");
 }
 
 ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard,
@@ -78,6 +80,10 @@ Json read_study(const std::filesystem::path& study) {
   }
   if (study == "error_budget" || study == "sensitivity" || study == "sensitivity_rigs")
     throw InputError(study.string(), "was removed; scripts/vary varies a simulation (scripts/examples)");
+  if (study == "table4")
+    throw InputError("table4",
+                     "is now the study clocks, on recordings of your own or simulated ones: trilat run "
+                     "clocks --campaign DIR -o clocks");
   if (std::ranges::find(names, study.string()) == names.end())
     throw InputError(study.string(),
                      "is neither a file nor a built-in study; " + known_names(study.string(), names));

@@ -13,7 +13,7 @@
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/recording/recording_study.h"
+#include "pipeline/clocks/clocks_study.h"
 #include "pipeline/sweep/sweep_spec.h"
 
 namespace trilat {
@@ -151,10 +151,8 @@ Json calibration_study_schema() {
                    [](const Json& json) { parse_calibration_spec(json, "example"); });
 }
 
-Json recording_schema() {
-  const Json example =
-      with_methods(study("recording", R"({"networks": [{"name": "a", "jitter_back_s": 0}]})"), true);
-  return schema_of({example}, [](const Json& json) { parse_recording_spec(json, "example"); });
+Json clocks_schema() {
+  return schema_of({study("clocks", "{}")}, [](const Json& json) { parse_clocks_spec(json, "example", {}); });
 }
 
 namespace {

@@ -35,7 +35,6 @@ const std::vector<Arrow> kArrows{
     {"pipeline/cli/", {"datasets/", "recorders/", "evaluators/", "reports/", "pipeline/"}},
     {"pipeline/study/", {"datasets/", "pipeline/study/"}},
     {"pipeline/simulate/", {"datasets/", "recorders/", "pipeline/"}},
-    {"pipeline/recording/", {"datasets/", "evaluators/", "pipeline/"}},
     {"pipeline/", {"datasets/", "evaluators/", "pipeline/"}},
 };
 

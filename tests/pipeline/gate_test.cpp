@@ -232,11 +232,11 @@ TEST(Gate, AMethodThatIsSurelyWorseComesBeforeNumbersThatChanged) {
     other.name = "runs";
     write_made_results(folder / night / "runs", other);
     Json manifest = read_json(folder / night / "runs/manifest.json");
-    manifest["study"]["kind"] = "recording";
+    manifest["study"]["kind"] = "clocks";
     write_file(folder / night / "runs/manifest.json", manifest.dump());
     write_file(folder / night / "runs/summary.json", Json{{"format", "trilat.results"},
                                                           {"version", 2},
-                                                          {"kind", "recording"},
+                                                          {"kind", "clocks"},
                                                           {"study", "runs"},
                                                           {"late", is_now ? 1.0 : 0.0}}
                                                          .dump());

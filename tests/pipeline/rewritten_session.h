@@ -22,6 +22,7 @@ struct SessionChange {
   std::function<bool(std::size_t sensor, std::uint64_t frame)> keeps_depth = [](std::size_t, std::uint64_t) {
     return true;
   };
+  bool keeps_exchanges = true;
 };
 
 // The take's session becomes a changed copy of it.
@@ -40,6 +41,7 @@ inline void change_session(Take& take, const std::filesystem::path& copy, const 
       session.depth_frame(s, f, depth_mm);
       writer.add_depth_frame(s, encode_depth_frame(stamps[f], depth_mm, ChunkCompression::blosc));
     }
+    if (!change.keeps_exchanges) continue;
     for (const ClockExchange& exchange : session.clock_exchanges(s)) writer.add_clock_exchange(s, exchange);
   }
   writer.finish();

@@ -14,7 +14,7 @@
 #include "datasets/take/campaign.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/calibration_study/calibration_summary.h"
-#include "pipeline/recording/recording_summary.h"
+#include "pipeline/clocks/clocks_summary.h"
 #include "pipeline/sweep/sweep_summary.h"
 #include "tests/support/scratch.h"
 
@@ -80,8 +80,8 @@ void expect_read_back(const T& value) {
 
 template <class T>
 class Filled : public testing::Test {};
-using Plain = testing::Types<StoredItem, TrackingSummary, StageTimings, SweepTimings, SweepInterpretation,
-                             SweepCell, SweepSearch, ResultsSummary, StoredTables, StoredFigures>;
+using Plain = testing::Types<StoredItem, TrackingSummary, SweepTimings, SweepInterpretation, SweepCell,
+                             SweepSearch, ResultsSummary, StoredTables, StoredFigures>;
 TYPED_TEST_SUITE(Filled, Plain);
 
 TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }
@@ -100,7 +100,7 @@ TEST(FilledStudy, OfAccuracyMayLackNumbers) {
 
 TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) { expect_read_back(filled<CalibrationSummary>()); }
 
-TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) { expect_read_back(filled<RecordingSummary>()); }
+TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) { expect_read_back(filled<ClocksSummary>()); }
 
 TEST(FilledStudy, OfASweepIsReadBackToTheLastBit) {
   auto summary = filled<SweepSummary>();

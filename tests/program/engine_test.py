@@ -22,8 +22,7 @@ STUDIES = {
     "calibration": {"units": 2, "samples": 6, "near_samples": 2, "frames": 1, "distortion_units": 2, "distortion_frames": 2,
                     "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 3, "positions": 6, "position_frames": 1, "bodies_s": 0.5,
                     "bodies_instants": 5},
-    "recording": {"frames": 600, "sensors": 2, "runs": 4,
-                  "networks": [{"name": "quiet"}, {"name": "busy", "jitter_s": 0.002, "lost_share": 0.05}], "methods": SOLVERS},
+    "clocks": {"campaign": "campaign"},
 }
 MARK = {"simulation": "campaign.json"}  # the file that finishes an output
 KINDS = set(os.environ.get("TRILAT_KINDS", "simulation " + " ".join(STUDIES)).split())
@@ -159,7 +158,7 @@ class Stops(Studies):
                     self.assert_same(folder / "whole", output)
 
     def test_files_of_others_in_the_folder_stay(self):
-        words, results = ["run", self.study("recording")], self.folder / "results"
+        words, results = ["run", self.study("clocks")], self.folder / "results"
         trilat(*words, "-o", results)
         for name in ("notes.csv", "notes.json"):
             (results / name).write_text("ten years of work")
@@ -168,7 +167,7 @@ class Stops(Studies):
             self.assertEqual((results / name).read_text(), "ten years of work")
 
     def test_two_runs_cannot_fill_one_folder(self):
-        words = ["run", self.study("recording"), "-o", self.folder / "results"]
+        words = ["run", self.study("clocks"), "-o", self.folder / "results"]
         os.symlink("results", self.folder / "link")
         first = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         while not (self.folder / "results.lock").exists() and first.poll() is None:

@@ -23,8 +23,8 @@ def rows_of_errors(summary):
 
 def tables_of(out):
     """By name the head and the rows of each table; texts name a row."""
-    summary = {name: json.loads((out / name / "summary.json").read_text()) for name in ("table1", "table2", "table3", "table4")}
-    sweep, clocks = summary["table1"], summary["table4"]
+    summary = {name: json.loads((out / name / "summary.json").read_text()) for name in ("table1", "table2", "table3", "clocks")}
+    sweep, clocks = summary["table1"], summary["clocks"]
     errors = ["method", "condition", "group", "alignment", *ERRORS]
     return {
         "table1": (["reading", "C", "errors_from_m", "asked", "answered", "mae_m", "axis_mean_mae_m", "rmse_m", "p95_m", "start_mae_m"],
@@ -33,11 +33,11 @@ def tables_of(out):
                                                                                                "rmse_m", "p95_m", "start_mae_m"))] for c in sweep["cells"]]),
         "table2": (errors, rows_of_errors(summary["table2"])),
         "table3": (errors, rows_of_errors(summary["table3"])),
-        "table4-clocks": (["network", "method", "asked", "median_s", "p95_s", "p99_s", "max_s", "below_2ms"],
-                          [[c["network"], c["method"], c["asked"], *(c["error"][key] for key in ("median_s", "p95_s", "p99_s", "max_s")),
+        "table4-clocks": (["method", "asked", "median_s", "p95_s", "p99_s", "max_s", "below_2ms"],
+                          [[c["method"], c["asked"], *(c["error"][key] for key in ("median_s", "p95_s", "p99_s", "max_s")),
                             c["below_2ms"]] for c in clocks["clocks"]]),
-        "table4-queues": (["network", "method", "server", "came", "too_early", "too_late", "taken"],
-                          [[q[key] for key in ("network", "method", "server", "came", "too_early", "too_late", "taken")] for q in clocks["queues"]])}
+        "table4-queues": (["method", "server", "came", "too_early", "too_late", "taken"],
+                          [[q[key] for key in ("method", "server", "came", "too_early", "too_late", "taken")] for q in clocks["queues"]])}
 
 
 def text_of(value):

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/base/strict_json.h"
+#include "datasets/results/timings.h"
+#include "datasets/take/campaign.h"
+#include "pipeline/study/study.h"
+
+namespace trilat {
+
+// A study of kind "clocks": how well the clocks of the computers of a campaign's recordings were brought
+// together, and which frames came in time.
+struct ClocksSpec {
+  std::string name;
+  std::filesystem::path campaign = {};  // relative to the study's file; may be given on the command line
+  // The most by which a frame's time of sending may differ from the server's time for the paper's queue, and
+  // the time from exposure within which a frame counts as in time.
+  double late_s = 1.0 / 30.0;
+};
+
+ClocksSpec parse_clocks_spec(const Json& json, const std::string& place, const std::filesystem::path& folder);
+
+// Every setting written out, defaults included.
+Json resolved_json(const ClocksSpec& spec);
+
+// All recordings of the campaign, its wand's too. Its summary.json is a ClocksSummary. A sensor without clock
+// exchanges is left out and named; InputError where none has any.
+Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
+                   const std::shared_ptr<HashCache>& hashes);
+
+// Bins and quantiles of what is a number.
+TimeSpread spread_times(std::vector<double> times_s);
+
+}  // namespace trilat
