@@ -14,7 +14,7 @@ namespace {
 bool speaks_of_the_paper(const ResultsHead& head) {
   if (head.kind == StudyKind::accuracy)
     return head.study == "table3" || head.study == "table2" || head.study.starts_with("sensors_");
-  return (head.kind == StudyKind::threshold_sweep && head.study == "table1_search") ||
+  return (head.kind == StudyKind::threshold_sweep && head.study == "table1") ||
          (head.kind == StudyKind::calibration && head.study == "calibration") ||
          (head.kind == StudyKind::clocks && head.study == "clocks");
 }

@@ -215,10 +215,6 @@ HWY_INLINE void MakeOneVector(const RangeTrialModel& model, Bits trial, const Ra
     StoreVector3({truth.x + sum.x * share, truth.y + sum.y * share, truth.z + sum.z * share},
                  rows.mean_m + column, rows.stride);
   }
-  if (rows.previous_m) {
-    const Vector3 by = InAnyDirection(draws, trial_index::kPreviousDirection, Number(kPreviousStep_m));
-    StoreVector3({truth.x + by.x, truth.y + by.y, truth.z + by.z}, rows.previous_m + column, rows.stride);
-  }
 }
 
 void MakeTrials(const RangeTrialModel& model, std::uint64_t first_trial, std::size_t count,

@@ -41,10 +41,7 @@ struct RangeTrialRows {
   // 3 rows, or null: the mean of the joint as the sensors see it, each displaced. For error models without
   // displaced joints it is drawn as if they were `displacement`.
   double* mean_m = nullptr;
-  // 3 rows, or null: where the joint was a frame before, kPreviousStep_m away in any direction.
-  double* previous_m = nullptr;
 };
-inline constexpr double kPreviousStep_m = 1.0 / 30.0;  // 1 m/s at 30 Hz
 
 // Columns are written in blocks: rows must have room for `count` rounded up to this.
 inline constexpr std::size_t kTrialBlock = 8;
@@ -57,7 +54,6 @@ void make_range_trials(const RangeTrialModel& model, std::uint64_t first_trial, 
 // Which index of a trial's RandomStream is drawn for what.
 namespace trial_index {
 inline constexpr std::uint32_t kJoint = 0;              // x, y, z of `volume`
-inline constexpr std::uint32_t kPreviousDirection = 3;  // height, azimuth
 inline constexpr std::uint32_t kSensor = 8;             // of the first sensor
 inline constexpr std::uint32_t kPerSensor = 4;          // length, height, azimuth, range error
 inline constexpr std::uint32_t kRangeError = 3;

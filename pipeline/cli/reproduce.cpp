@@ -52,7 +52,6 @@ constexpr std::array kParts{
          "campaign_stages"},
     Part{"Table II: with and without occlusion compensation", "table2", "table2", "campaign"},
     Part{"Table I: threshold against error and time", "table1", "table1"},
-    Part{"which reading of the paper gives its Table I", "table1_search", "table1_search"},
     Part{"calibration: the wand, a flat wall, whole rigs", "calibration", "calibration"},
     Part{"Table IV: clock errors, and frames in time", "clocks", "clocks", "campaign_clocks"},
     Part{"two to eight sensors at different heights", "sensors_different_heights", "sensors",

@@ -141,7 +141,7 @@ Json sweep_schema() {
   return schema_of({study("threshold_sweep", R"({"rigs": [{"name": "circle", "heights_m": [1, 2, 1, 2]},
          {"name": "positions", "sensors_m": [[0, 1, 0], [2, 1, 0], [0, 1, 2]]}],
          "joints": ["centre"], "error_models": ["gaussian"], "threshold_units": ["cm2"], "gradients": ["printed"],
-         "curvatures": ["newton"], "stops": ["step"], "dampings": ["none"], "starts": ["mean"], "thresholds": [1],
+         "curvatures": ["newton"], "stops": ["step"], "dampings": ["none"], "starts": ["linear"], "thresholds": [1],
          "error_ranges_cm": [[0, 5]]})")},
                    [](const Json& json) { parse_sweep(json, "example"); });
 }

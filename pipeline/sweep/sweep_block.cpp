@@ -172,8 +172,7 @@ SweepCellSolver solver_of(const SweepPlan& plan, const SweepCellPlace& place) {
   cell.trials = trials_of(plan, place);
   cell.options = options_of(plan, place);
   cell.start = reading.start;
-  cell.hint_is_mean = reading.hint_is_mean;
-  cell.hint_is_previous = reading.hint_is_previous;
+  cell.has_hint = reading.has_hint;
   cell.plane = reading.plane;
   cell.sensors.count = cell.trials.sensors;
   for (int i = 0; i < cell.sensors.count; ++i) {
@@ -190,8 +189,7 @@ SweepBlock::SweepBlock(int sensors)
     : batch_(sensors, kBlockTrials, true),
       unfinished_(sensors, kBlockTrials, true),
       truth_m_(3, kBlockTrials),
-      mean_m_(3, kBlockTrials),
-      previous_m_(3, kBlockTrials) {}
+      mean_m_(3, kBlockTrials) {}
 
 void SweepBlock::make_trials(const SweepCellSolver& cell, std::uint64_t first_trial, std::size_t count) {
   TRILAT_CHECK(count <= kBlockTrials && cell.trials.sensors == sensors(), "a block has room for its trials");
@@ -205,8 +203,7 @@ void SweepBlock::make_trials(const SweepCellSolver& cell, std::uint64_t first_tr
   rows.stride = truth_m_.stride();
   rows.truth_m = truth_m_.row(0);
   rows.range_m = batch_.range_m.row(0);
-  if (cell.hint_is_mean) rows.mean_m = mean_m_.row(0);
-  if (cell.hint_is_previous) rows.previous_m = previous_m_.row(0);
+  if (cell.has_hint) rows.mean_m = mean_m_.row(0);
   make_range_trials(cell.trials, first_trial, count, rows);
 }
 
@@ -216,8 +213,7 @@ std::span<const RangeProblem> SweepBlock::problems(const SweepCellSolver& cell) 
   for (std::size_t i = 0; i < batch_.count; ++i) {
     for (std::size_t s = 0; s < static_cast<std::size_t>(sensors()); ++s)
       problems_[i].range_m[s] = batch_.range_m.row(s)[i];
-    if (cell.hint_is_mean) problems_[i].hint_m = column(mean_m_, i);
-    if (cell.hint_is_previous) problems_[i].hint_m = column(previous_m_, i);
+    if (cell.has_hint) problems_[i].hint_m = column(mean_m_, i);
   }
   problems_are_made_ = true;
   return {problems_.data(), batch_.count};
@@ -236,11 +232,6 @@ void SweepBlock::find_starts(const SweepCellSolver& cell) {
   if (cell.straight && cell.start == SweepStart::linear) {
     cell.linear.positions(sensors(), batch_.count, truth_m_.stride(), batch_.range_m.row(0),
                           batch_.position_m.row(0));
-    return;
-  }
-  if (cell.options.start == Start::hint) {
-    const LaneRows& from = cell.hint_is_mean ? mean_m_ : previous_m_;
-    std::copy_n(from.row(0), 3 * from.stride(), batch_.position_m.row(0));
     return;
   }
   const auto all = problems(cell);

@@ -94,7 +94,7 @@ struct SweepCellSolver {
   RangeTrialModel trials;
   NonlinearOptions options;
   SweepStart start = SweepStart::linear;
-  bool hint_is_mean = false, hint_is_previous = false;
+  bool has_hint = false;
   SensorPlane plane;
   RangeProblem sensors;  // without ranges
   // One undamped descent straight from the rows of trials; otherwise solve_nonlinear() one by one.
@@ -125,7 +125,7 @@ class SweepBlock {
 
   DescentBatch batch_, unfinished_;
   std::vector<std::size_t> unfinished_lanes_;
-  LaneRows truth_m_, mean_m_, previous_m_;
+  LaneRows truth_m_, mean_m_;
   std::vector<RangeProblem> problems_;
   std::vector<PointEstimate> estimates_;
   bool problems_are_made_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -113,7 +114,8 @@ FigureSeries paper_series(const PrintedTable1& paper, const Quantity& quantity, 
 }
 
 Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
-  const std::vector<std::size_t> readings = readings_in_full(s);
+  std::vector<std::size_t> readings(s.interpretations.size());
+  std::iota(readings.begin(), readings.end(), std::size_t{0});
   const std::optional<PrintedTable1> paper = papers(s);
   Figure figure;
   figure.id = quantity.id;
@@ -162,7 +164,7 @@ std::vector<Figure> sweep_figures(const SweepSummary& s, const SweepTimings& tim
   std::vector<Figure> figures;
   for (const Quantity& quantity : quantities(s, timings)) {
     figures.push_back(figure_of(s, quantity));
-    figures.back().is_first = !s.search && figures.size() <= 2;
+    figures.back().is_first = figures.size() <= 2;
   }
   return figures;
 }

@@ -58,9 +58,7 @@ NonlinearOptions options_of(const Choices& c, const SweepSpec& spec) {
   o.damping = c.damping;
   o.max_iterations = static_cast<int>(spec.max_iterations);
   o.printed_unit_m = c.unit == ThresholdUnit::cm2 ? kMetresPerCentimetre : 1.0;
-  o.start = c.start == SweepStart::linear           ? Start::linear
-            : c.start == SweepStart::squared_ranges ? Start::squared_ranges
-                                                    : Start::hint;
+  o.start = c.start == SweepStart::linear ? Start::linear : Start::squared_ranges;
   return o;
 }
 
@@ -99,9 +97,7 @@ SweepReading reading_of(const Choices& c, const SweepSpec& spec, const SweepRig&
   reading.start = c.start;
   reading.unit_m2 = c.unit == ThresholdUnit::cm2 ? kSquareMetresPerSquareCentimetre : 1.0;
   reading.plane = plane_of(problem);
-  reading.hint_is_previous = c.start == SweepStart::previous;
-  reading.hint_is_mean = !reading.hint_is_previous &&
-                         (c.start == SweepStart::mean || reading.plane.exact || c.damping == Damping::lm);
+  reading.has_hint = reading.plane.exact || c.damping == Damping::lm;
   SweepInterpretation& t = reading.text;
   t = {"",
        rig.name,

@@ -18,10 +18,8 @@ struct SweepReading {
   SweepStart start = SweepStart::linear;
   double unit_m2 = 1.0;  // of C
   SensorPlane plane;     // of the rig
-  // The sensors' mean or the frame before goes along as the problem's hint: as the start, or to choose
-  // between mirror images: when the sensors are exactly in one plane, and in every damped reading.
-  bool hint_is_mean = false;
-  bool hint_is_previous = false;
+  // The sensors' mean goes along as the problem's hint, to choose between mirror images.
+  bool has_hint = false;
 };
 
 struct SweepPlan {

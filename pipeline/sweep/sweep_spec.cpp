@@ -15,7 +15,6 @@
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
-#include "datasets/paper/printed_tables.h"
 #include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
@@ -140,7 +139,7 @@ const Words kGradients{"printed", "corrected"};
 const Words kCurvatures{"gauss_newton", "newton"};
 const Words kStops{"printed", "objective", "step"};
 const Words kDampings{"none", "lm"};
-const Words kStarts{"linear", "squared_ranges", "mean", "previous"};
+const Words kStarts{"linear", "squared_ranges"};
 
 template <class Enum>
 std::string word(const Words& words, Enum choice) {
@@ -228,21 +227,6 @@ void read_ranges(JsonObject& object, std::vector<SweepSummary::ErrorRange>& rang
   }
 }
 
-void check_search(const JsonObject& object, const SweepSpec& spec) {
-  if (!spec.search) return;
-  const PrintedTable1 printed = printed_table1();
-  bool same = spec.thresholds.size() == printed.rows.size() && spec.ranges.size() == printed.ranges_cm.size();
-  for (std::size_t i = 0; same && i < printed.rows.size(); ++i)
-    same = spec.thresholds[i] == printed.rows[i].threshold;
-  for (std::size_t i = 0; same && i < printed.ranges_cm.size(); ++i)
-    same = spec.ranges[i].low_m == printed.ranges_cm[i][0] * kMetresPerCentimetre &&
-           spec.ranges[i].high_m == printed.ranges_cm[i][1] * kMetresPerCentimetre;
-  if (!same)
-    object.refuse("search",
-                  "compares with the printed Table I, so thresholds and error_ranges_cm must be its own; "
-                  "leave them out");
-}
-
 }  // namespace
 
 std::string word_of(TrialJoint joint) { return word(kJoints, joint); }
@@ -285,7 +269,6 @@ void tell(Settings& s, SweepSpec& spec) {
     "problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
     "counts; 0: the "
     "run's own times are shown");
-  s("search", spec.search, "rank all readings by their distance from the printed Table I");
 }
 
 }  // namespace
@@ -301,9 +284,9 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   object.about({{"name", "of the study"}, {"rigs", "each with its sensors"}});
   object.removed("digits_trials", "tests hold the solvers against Ceres");
   object.removed("time_repeats", "of three rounds the fastest counts");
+  object.removed("search", "scripts/fit_paper ranks readings of Table I");
   Settings settings(object);
   tell(settings, spec);
-  check_search(object, spec);
   object.finish();
   return spec;
 }

@@ -21,8 +21,6 @@ enum class ThresholdUnit : std::uint8_t { cm2, m2 };
 enum class SweepStart : std::uint8_t {
   linear,          // linear trilateration, as the paper
   squared_ranges,  // squared_range_position_m()
-  mean,            // the mean of the joint as the sensors see it
-  previous,        // where the joint was a frame before
 };
 
 struct SweepRig {
@@ -51,7 +49,6 @@ struct SweepSpec {
   std::uint64_t seed = 1;
   std::uint64_t max_iterations = 10000;
   std::uint64_t time_problems = 0;  // solved by the scalar solver on one thread; 0: times as the run took
-  bool search = false;              // rank the readings by their distance from the printed Table I
 };
 
 SweepSpec parse_sweep(const Json& json, const std::string& place);

@@ -14,7 +14,6 @@
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
-#include "pipeline/sweep/interpretation_search.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_plan.h"
 #include "pipeline/sweep/sweep_summary.h"
@@ -158,7 +157,6 @@ SweepSummary summary_of(const SweepPlan& plan, std::vector<SweepCell> cells) {
   s.ranges = plan.spec.ranges;
   for (const SweepReading& reading : plan.readings) s.interpretations.push_back(reading.text);
   s.cells = std::move(cells);
-  if (plan.spec.search) s.search = search_interpretations(s, printed_table1());
   return s;
 }
 

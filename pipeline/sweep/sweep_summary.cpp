@@ -11,21 +11,6 @@ void SweepSummary::check(const JsonObject& object) const {
            cells[i].threshold == i / ranges.size() % thresholds.size() && cells[i].range == i % ranges.size();
   if (!fits)
     object.refuse("cells", "must hold one cell for every interpretation, threshold and range, in this order");
-  if (!search) return;
-  const auto check_number = [&](std::size_t interpretation) {
-    if (interpretation >= interpretations.size())
-      object.refuse("search", "has the number of no interpretation");
-  };
-  for (const SweepRanking* ranking : {&search->errors, &search->times})
-    for (const SweepFit& fit : ranking->best) check_number(fit.interpretation);
-  for (const SweepCompromise& c : search->compromises) {
-    check_number(c.printed);
-    check_number(c.corrected);
-    for (const auto* factors : {&c.printed_iterations_factor, &c.corrected_iterations_factor,
-                                &c.printed_error_factor, &c.corrected_error_factor})
-      if (factors->empty() || factors->size() != ranges.size())
-        object.refuse("search", "must have a factor for each range");
-  }
 }
 
 bool is_compromise(const SweepSummary& s, std::size_t reading) {

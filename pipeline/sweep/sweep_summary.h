@@ -28,7 +28,7 @@ struct SweepInterpretation {
   std::string error_model;                         // range_signed, displacement, gaussian
   std::string threshold_unit;                      // cm2, m2
   std::string gradient, curvature, stop, damping;  // as of the method `nonlinear`
-  std::string start;                               // linear, squared_ranges, mean, previous
+  std::string start;                               // linear, squared_ranges
 
   TRILAT_FIELDS(id, rig, sensors_m, joint, error_model, threshold_unit, gradient, curvature, stop, damping,
                 start)
@@ -72,52 +72,6 @@ struct SweepCell {
   }
 };
 
-// How well a reading fits the printed table. Ratios are ours / printed.
-struct SweepFit {
-  std::size_t interpretation = 0;
-  std::string reported;                        // errors: "distance" or "axis_mean"; times: "iterations"
-  double rms_log_ratio = 0.0;                  // natural logarithm
-  double worst_factor = 1.0;                   // of the worst cell, 1 or more
-  double us_per_iteration = SweepCell::kNone;  // times only: the one scale that fits best
-
-  TRILAT_FIELDS(interpretation, reported, rms_log_ratio, worst_factor, us_per_iteration)
-};
-
-struct SweepRanking {
-  std::vector<SweepFit> best;  // the first few, best first
-  std::uint64_t ranked = 0;    // entries: each reading that answered nine trials in ten in every cell
-  // rms_log_ratio over all ranked; NaN when none was
-  double best_rms = SweepCell::kNone, median_rms = SweepCell::kNone, worst_rms = SweepCell::kNone;
-
-  TRILAT_FIELDS(ranked, best_rms, median_rms, worst_rms, best)
-};
-
-// Two readings that differ in the gradient, and perhaps the damping, only: what the smallest threshold costs
-// against the largest.
-struct SweepCompromise {
-  std::string best_for;                    // "errors" or "times": which ranking one of the two leads
-  std::size_t printed = 0, corrected = 0;  // interpretations
-  // One entry an error range. Factors from the largest threshold to the smallest.
-  std::vector<double> printed_iterations_factor, corrected_iterations_factor;
-  std::vector<double> printed_error_factor, corrected_error_factor;  // of mae_m
-  // The least share of trials that any of its cells answered: where it is low, the factors are those of the
-  // easy trials.
-  double printed_coverage = SweepCell::kNone, corrected_coverage = SweepCell::kNone;
-
-  TRILAT_FIELDS(best_for, printed, corrected, printed_iterations_factor, corrected_iterations_factor,
-                printed_error_factor, corrected_error_factor, printed_coverage, corrected_coverage)
-};
-
-// Which readings fit the printed Table I.
-struct SweepSearch {
-  std::uint64_t tried = 0;
-  SweepRanking errors;  // each reading counts twice: distance and axis_mean
-  SweepRanking times;
-  std::vector<SweepCompromise> compromises;
-
-  TRILAT_FIELDS(tried, errors, times, compromises)
-};
-
 // Results of a threshold sweep. Everything in it is simulated.
 struct SweepSummary {
   static constexpr StudyKind kKind = StudyKind::threshold_sweep;
@@ -134,8 +88,7 @@ struct SweepSummary {
   std::vector<double> thresholds;  // C as in the study, in each interpretation's unit
   std::vector<ErrorRange> ranges;
   std::vector<SweepInterpretation> interpretations;
-  std::vector<SweepCell> cells;  // interpretation by interpretation, in each threshold by threshold
-  std::optional<SweepSearch> search;
+  std::vector<SweepCell> cells;          // interpretation by interpretation, in each threshold by threshold
   std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
 
   const SweepCell& cell(std::size_t interpretation, std::size_t threshold, std::size_t range) const {
@@ -143,7 +96,7 @@ struct SweepSummary {
   }
 
   TRILAT_FIELDS(study, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, interpretations,
-                cells, search, claims)
+                cells, claims)
   void check(const JsonObject& object) const;
 };
 

@@ -11,16 +11,13 @@
 
 namespace trilat {
 
-// Tables of a sweep: the paper's Table I beside ours, the answer of an interpretation search, every cell.
+// Tables of a sweep: the paper's Table I beside ours, and every cell.
 StoredTables sweep_tables(const SweepSummary& summary, const SweepTimings& timings);
 
 // Error, steps, share of answers and, with time_problems, time over the threshold C: a panel for each rig,
 // error model and range of errors, a line for each other choice. With the paper's grid its Table I stands
 // beside.
 std::vector<Figure> sweep_figures(const SweepSummary& summary, const SweepTimings& timings);
-
-// The readings worth a figure: all of a few, of many those that lead a ranking.
-std::vector<std::size_t> readings_in_full(const SweepSummary& summary);
 
 // Microseconds a solve of a cell of the summary; NaN where they are not known.
 double solve_us(const SweepSummary& summary, const SweepTimings& timings, const SweepCell& cell);

@@ -32,11 +32,7 @@ Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, cons
       return reading ? std::invoke(get, s.cell(*reading, p.threshold, p.range)) : SweepCell::kNone;
     };
   };
-  const auto error = [&](Reading reading) {
-    return in_cm(of_cell(reading, [axis_mean = readings.axis_mean](const SweepCell& c) {
-      return axis_mean ? c.axis_mean_mae_m() : c.mae_m;
-    }));
-  };
+  const auto error = [&](Reading reading) { return in_cm(of_cell(reading, &SweepCell::mae_m)); };
   const auto time = [&](Reading reading) {
     return as_number(2, of_cell(reading, [&](const SweepCell& c) {
                        return timings.problems > 0 ? solve_us(s, timings, c) : SweepCell::kNone;
@@ -80,10 +76,7 @@ Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, cons
        {"answered, E7 (%)", "printed_answered_percent", answered(e7)},
        {"corrected (%)", "corrected_answered_percent", answered(ours)}});
   table.printed = "table1";
-  add_notes(table, "table1",
-            {{"error", readings.axis_mean ? "mean over the three axes of the mean absolute error, which is "
-                                            "the metric of the best-fitting reading"
-                                          : "mean distance to the true joint"}});
+  add_notes(table, "table1");
   return table;
 }
 
@@ -95,33 +88,16 @@ std::string family_name(const SweepInterpretation& i) {
                      i.error_model, i.threshold_unit, i.start, i.damping, i.curvature);
 }
 
-bool reports_axis_mean(const SweepSummary& s, std::size_t reading) {
-  if (!s.search || s.search->errors.best.empty()) return false;
-  const SweepFit& best = s.search->errors.best.front();
-  return best.interpretation == reading && best.reported == "axis_mean";
-}
-
 std::map<std::string, Table1Readings> readings_by_name(const SweepSummary& s) {
   std::map<std::string, Table1Readings> all;
   for (std::size_t k = 0; k < s.interpretations.size(); ++k) {
     const SweepInterpretation& i = s.interpretations[k];
     Table1Readings& readings = all[family_name(i)];
-    readings.axis_mean |= reports_axis_mean(s, k);
     if (i.gradient == "printed" && i.stop == "printed") readings.as_printed = k;
     if (i.gradient == "printed" && i.stop == "objective") readings.printed = k;
     if (i.gradient == "corrected" && i.stop == "objective") readings.corrected = k;
   }
   return all;
-}
-
-// Whether all of Table I was run, and the readings are few or a comparison of the search names this one.
-bool is_worth_a_table(const SweepSummary& s, const Table1Readings& readings, std::size_t families) {
-  if (!readings.complete()) return false;
-  if (families <= kMostTables) return true;
-  if (!s.search) return false;
-  for (const SweepCompromise& c : s.search->compromises)
-    if (c.printed == *readings.printed || c.corrected == *readings.corrected) return true;
-  return false;
 }
 
 bool same(double a, double b) { return std::abs(a - b) <= kSameNumber * std::abs(b); }
@@ -150,8 +126,9 @@ std::vector<Table1Readings> table1_readings(const SweepSummary& s, const Printed
   std::vector<Table1Readings> shown;
   if (!is_the_papers_grid(s, paper)) return shown;
   const std::map<std::string, Table1Readings> all = readings_by_name(s);
+  if (all.size() > kMostTables) return shown;
   for (const auto& [name, readings] : all)
-    if (is_worth_a_table(s, readings, all.size())) {
+    if (readings.complete()) {
       shown.push_back(readings);
       shown.back().name = name;
     }

@@ -18,12 +18,11 @@ struct Table1Readings {
   std::optional<std::size_t> as_printed;  // eq. 17 and eq. 19 as they stand: errata E7 and E8
   std::optional<std::size_t> printed;     // eq. 17 as printed, |F_k - F_{k-1}| < C
   std::optional<std::size_t> corrected;   // J^T f, |F_k - F_{k-1}| < C
-  bool axis_mean = false;  // the search found that the mean over the axes is what the paper reports
   bool complete() const { return printed && corrected; }
 };
 
-// Those worth a table: of many, the ones that a ranking or a comparison names. None when the sweep's
-// thresholds or error ranges are not the paper's.
+// Those worth a table: none of many, and none when the sweep's thresholds or error ranges are not the
+// paper's.
 std::vector<Table1Readings> table1_readings(const SweepSummary& summary, const PrintedTable1& paper);
 
 // The paper's Table I beside ours, one table for each reading that was run with the printed and with the

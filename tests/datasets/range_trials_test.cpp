@@ -29,16 +29,14 @@ RangeTrialModel model_with(TrialError error, double low_m, double high_m) {
 // Trials with all their rows.
 struct Trials {
   std::size_t count;
-  std::vector<double> truth_m, range_m, mean_m, previous_m;
+  std::vector<double> truth_m, range_m, mean_m;
 
   Trials(const RangeTrialModel& model, std::uint64_t first, std::size_t n)
       : count((n + kTrialBlock - 1) / kTrialBlock * kTrialBlock),
         truth_m(3 * count),
         range_m(static_cast<std::size_t>(model.sensors) * count),
-        mean_m(3 * count),
-        previous_m(3 * count) {
-    make_range_trials(model, first, n,
-                      {count, truth_m.data(), range_m.data(), mean_m.data(), previous_m.data()});
+        mean_m(3 * count) {
+    make_range_trials(model, first, n, {count, truth_m.data(), range_m.data(), mean_m.data()});
   }
   double distance_m(const RangeTrialModel& model, std::size_t sensor, std::size_t i) const {
     const auto& s = model.sensor_m[sensor];
@@ -163,16 +161,6 @@ TEST(RangeTrials, TheMeanOfOneSensorIsItsDisplacedJointAndItsRangeAgrees) {
   EXPECT_NEAR(sum_m / kTrials, 0.1, 0.001);
 }
 
-TEST(RangeTrials, ThePreviousFrameIsAThirtiethOfAMetreAway) {
-  const Trials trials(model_with(TrialError::range_signed, 0.0, 0.05), 0, kTrials);
-  double sum_m = 0.0;
-  for (std::size_t i = 0; i < kTrials; ++i) {
-    EXPECT_NEAR(trials.from_truth_m(trials.previous_m, i), 1.0 / 30.0, 1e-14);
-    sum_m += trials.previous_m[i] - trials.truth_m[i];
-  }
-  EXPECT_NEAR(sum_m / kTrials, 0.0, 5e-4);
-}
-
 // The joint does not depend on the error model, and errors depend on the range by scaling only.
 TEST(RangeTrials, AllCellsSeeTheSameNoise) {
   const RangeTrialModel small = model_with(TrialError::range_signed, 0.0, 0.05);
@@ -207,7 +195,6 @@ TEST(RangeTrials, EveryInstructionSetGivesTheSameBits) {
       EXPECT_EQ(narrow.truth_m, widest.truth_m) << target;
       EXPECT_EQ(narrow.range_m, widest.range_m) << target;
       EXPECT_EQ(narrow.mean_m, widest.mean_m) << target;
-      EXPECT_EQ(narrow.previous_m, widest.previous_m) << target;
     }
   }
 }

@@ -81,7 +81,7 @@ void expect_read_back(const T& value) {
 template <class T>
 class Filled : public testing::Test {};
 using Plain = testing::Types<StoredItem, TrackingSummary, SweepTimings, SweepInterpretation, SweepCell,
-                             SweepSearch, ResultsSummary, StoredTables, StoredFigures>;
+                             ResultsSummary, StoredTables, StoredFigures>;
 TYPED_TEST_SUITE(Filled, Plain);
 
 TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }
@@ -110,10 +110,6 @@ TEST(FilledStudy, OfASweepIsReadBackToTheLastBit) {
     summary.cells[i].threshold = i / 2 % 2;
     summary.cells[i].range = i % 2;
   }
-  for (SweepRanking* ranking : {&summary.search->errors, &summary.search->times})
-    for (SweepFit& fit : ranking->best) fit.interpretation = 1;
-  for (SweepCompromise& compromise : summary.search->compromises)
-    compromise.printed = compromise.corrected = 1;
   expect_read_back(summary);
 }
 

@@ -30,8 +30,8 @@ PlainLoop plain_loop(const SweepPlan& plan, const SweepCellPlace& place) {
   const SweepReading& reading = plan.readings[place.reading];
   const auto n = static_cast<std::size_t>(plan.spec.trials);
   const std::size_t stride = n + kTrialBlock;
-  std::vector<double> truth(3 * stride), range(8 * stride), mean(3 * stride), previous(3 * stride);
-  make_range_trials(model, 0, n, {stride, truth.data(), range.data(), mean.data(), previous.data()});
+  std::vector<double> truth(3 * stride), range(8 * stride), mean(3 * stride);
+  make_range_trials(model, 0, n, {stride, truth.data(), range.data(), mean.data()});
   PlainLoop loop;
   for (std::size_t i = 0; i < n; ++i) {
     RangeProblem problem;
@@ -40,9 +40,7 @@ PlainLoop plain_loop(const SweepPlan& plan, const SweepCellPlace& place) {
       problem.sensor_m[s] = {model.sensor_m[s][0], model.sensor_m[s][1], model.sensor_m[s][2]};
       problem.range_m[s] = range[s * stride + i];
     }
-    const auto& hint = reading.hint_is_mean ? mean : previous;
-    if (reading.hint_is_mean || reading.hint_is_previous)
-      problem.hint_m = Eigen::Vector3d(hint[i], hint[stride + i], hint[2 * stride + i]);
+    if (reading.has_hint) problem.hint_m = Eigen::Vector3d(mean[i], mean[stride + i], mean[2 * stride + i]);
     const PointEstimate estimate = solve_nonlinear(problem, options_of(plan, place));
     loop.iterations += estimate.iterations;
     if (!is_usable(estimate.status)) continue;
@@ -62,7 +60,7 @@ TEST(Sweep, ACellIsWhatAPlainLoopOverItsTrialsGives) {
       {"name": "nearly flat", "heights_m": [0.9, 0.9, 0.9, 1.4]}, {"name": "flat", "heights_m": [1, 1, 1, 1]},
       {"name": "three", "heights_m": [1, 2, 1.5]}, {"name": "five", "heights_m": [0.3, 2, 0.5, 1, 1.2]}],
       "error_models": ["range_signed", "displacement"], "stops": ["printed", "objective", "step"],
-      "dampings": ["none", "lm"], "starts": ["linear", "squared_ranges", "mean", "previous"],
+      "dampings": ["none", "lm"], "starts": ["linear", "squared_ranges"],
       "thresholds": [1, 1e-4], "error_ranges_cm": [[5, 15]], "trials": 60, "max_iterations": 200)");
   const SweepSummary run = swept(plan);
   ASSERT_EQ(run.cells.size(), plan.cells());
@@ -105,7 +103,7 @@ TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
 TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
   const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1],
       "gradients": ["corrected"], "stops": ["step"], "dampings": ["lm"],
-      "starts": ["linear", "squared_ranges", "mean", "previous"], "trials": 500)");
+      "starts": ["linear", "squared_ranges"], "trials": 500)");
   const auto summary = swept(plan);
   ASSERT_FALSE(summary.cells.empty());
   for (const SweepCell& cell : summary.cells) {

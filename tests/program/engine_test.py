@@ -18,7 +18,7 @@ EVERY_METHOD = [{"method": name} for name in ("linear", "geometric", "nonlinear"
 STUDIES = {
     "accuracy": {"campaign": "campaign", "methods": EVERY_METHOD, "alignments": ["mean", "none", "joint_offset"]},
     "threshold_sweep": {"rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": 20000, "stops": ["objective"],
-                        "max_iterations": 20, "search": True, "time_problems": 5},
+                        "max_iterations": 20, "time_problems": 5},
     "calibration": {"units": 2, "samples": 6, "near_samples": 2, "frames": 1, "distortion_units": 2, "distortion_frames": 2,
                     "rig": {"heights_m": [0.6, 2.2, 0.9]}, "runs": 3, "positions": 6, "position_frames": 1, "bodies_s": 0.5,
                     "bodies_instants": 5},
