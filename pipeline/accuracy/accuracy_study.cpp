@@ -17,6 +17,7 @@
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/take/hidden_views.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/accuracy/wand_poses.h"
@@ -304,11 +305,28 @@ void check_cross_check(const Plan& plan) {
                      "against Ceres");
 }
 
+// Without the methods that leave out what is truly hidden, where nobody knows that.
+StudySpec known_methods(StudySpec spec, const Campaign& campaign, std::vector<TakeNote>& notes) {
+  if (std::ranges::all_of(campaign.takes, knows_hidden_views)) return spec;
+  const std::size_t all = spec.methods.size();
+  std::erase_if(spec.methods, asks_for_hidden);
+  if (spec.methods.size() == all) return spec;
+  if (spec.methods.empty())
+    throw InputError("study \"" + spec.name + "\" /methods",
+                     "leave out what is truly hidden, which simulations of generated persons alone know");
+  notes.push_back({"", false, "campaign.json",
+                   fmt::format("{} methods that leave out truly hidden views are left out: simulations alone "
+                               "know which those are",
+                               all - spec.methods.size())});
+  return spec;
+}
+
 }  // namespace
 
-Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross_check,
+Study accuracy_study(const StudySpec& given, const Campaign& campaign, bool cross_check,
                      const std::shared_ptr<HashCache>& hashes, const Watch& watch) {
   const auto run = std::make_shared<AccuracyRun>();
+  const StudySpec spec = known_methods(given, campaign, run->notes);
   for (const Take& take : takes_of(spec, campaign).takes) run->files.push_back(watched_files(take));
   run->plan = make_plan(spec, campaign, watch);
   if (cross_check) check_cross_check(run->plan);

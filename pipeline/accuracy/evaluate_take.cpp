@@ -13,6 +13,7 @@
 #include "datasets/results/stored_take.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/accuracy/take/angle_errors.h"
+#include "pipeline/accuracy/take/hidden_views.h"
 #include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -54,6 +55,8 @@ std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& plan
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
   TakeTracking tracking{data.checks, data.clock, rays_of(plan, planned, data)};
   tracking.clock.take = planned.take.id;
+  tracking.rules = judge_rules(plan, planned, data);
+  if (planned.truth == TakeTruth::mocap) tracking.bounds = bounds_of(plan, planned, data);
   return tracking;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -65,6 +66,28 @@ struct PredictionRow {
   TRILAT_FIELDS(condition, method, n, range_m, bearing_m, mean_range_m, bone_m, jerk_m_s3)
 };
 
+// The views of a joint group that a rule calls occluded, against those that truly hide the joint.
+struct RuleRow {
+  std::string condition, rule, group;
+  std::uint64_t views = 0, hidden = 0, marked = 0, both = 0;
+
+  TRILAT_FIELDS(condition, rule, group, views, hidden, marked, both)
+};
+
+// Sums over the samples of a joint group that have a truth and three ranges that span space.
+struct BoundRow {
+  std::string condition, group;
+  std::uint64_t n = 0, ranges = 0;
+  double range_error_m2 = 0.0;  // squares of range less true distance
+  double gdop = 0.0;            // at the truth: root of the trace of the bound for ranges of variance 1
+
+  double range_error_m() const { return std::sqrt(range_error_m2 / static_cast<double>(ranges)); }
+  double mean_gdop() const { return gdop / static_cast<double>(n); }
+  double bound_m() const { return range_error_m() * mean_gdop(); }
+
+  TRILAT_FIELDS(condition, group, n, ranges, range_error_m2, gdop)
+};
+
 // tracking.json, beside an accuracy study's summary.json.
 struct TrackingSummary {
   static constexpr const char *kFile = "tracking.json", *kFormat = "trilat.tracking";
@@ -75,8 +98,10 @@ struct TrackingSummary {
   std::vector<ClockRow> clocks = {};
   std::vector<RayRow> rays = {};
   std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
+  std::vector<RuleRow> rules = {};              // of simulations whose methods ask what is hidden
+  std::vector<BoundRow> bounds = {};
 
-  TRILAT_FIELDS(study, simulated, repaired, checks, clocks, rays, predictions)
+  TRILAT_FIELDS(study, simulated, repaired, checks, clocks, rays, predictions, rules, bounds)
 };
 
 }  // namespace trilat

@@ -82,6 +82,8 @@ TEST(Study, RulesOfOcclusionLeaveTheirOwnSensorsOut) {
   EXPECT_EQ(used(R"("off")"), 0b1111U);
   EXPECT_EQ(used(R"("inferred")"), 0b1101U);
   EXPECT_EQ(used(R"("printed")"), 0b1001U);
+  instant.occlusions[static_cast<std::size_t>(OcclusionRule::hidden)][3] = 1;
+  EXPECT_EQ(used(R"("hidden")"), 0b0111U);
   EXPECT_EQ(used(R"("printed", "inferred_is_occluded": false)"), 0b1011U);
   EXPECT_EQ(used(R"("inferred", "fewest_sensors": 4)"), 0b1111U);
 }

@@ -20,7 +20,7 @@ std::vector<std::string> kind_names() {
 }  // namespace
 
 const std::vector<std::string>& occlusion_rule_names() {
-  static const std::vector<std::string> names{"off", "printed", "corrected", "inferred"};
+  static const std::vector<std::string> names{"off", "printed", "corrected", "inferred", "hidden"};
   return names;
 }
 
@@ -54,10 +54,12 @@ void tell(Settings& s, MethodSpec& m) {
            "from the bodies of the take without truth, are taken away first");
   s.choice("occlusion", m.occlusion, occlusion_rule_names(),
            "how sensors are found that see the joint occluded, which are then left out: by crossing limbs as "
-           "printed (eq. 8) or in the image, or where the joint is inferred");
+           "printed (eq. 8) or in the image, where the joint is inferred, or, in simulations alone, where it "
+           "is truly hidden");
   if (m.occlusion == OcclusionRule::off) return;
   if (object && m.kind->sensors == 1)
     object->refuse("occlusion", "leaves a method of one sensor nothing to choose from");
+  if (m.occlusion == OcclusionRule::hidden) m.inferred_is_occluded = false;
   if (m.occlusion != OcclusionRule::inferred)
     s("inferred_is_occluded", m.inferred_is_occluded, "an inferred joint counts as one crossing more");
   s("fewest_sensors", m.fewest_sensors, {1, kMaxSensors},

@@ -20,9 +20,10 @@ namespace trilat {
 struct MethodKind;
 
 // Which sensors a method leaves out because they see a joint occluded: by crossing limbs as the paper prints
-// it (eq. 8), by crossing limbs in the perspective image, or those alone that infer the joint.
-enum class OcclusionRule : std::uint8_t { off, printed, corrected, inferred };
-inline constexpr std::size_t kOcclusionRules = 4;
+// it (eq. 8), by crossing limbs in the perspective image, those alone that infer the joint, or those from
+// whom it is truly hidden, which simulations alone know.
+enum class OcclusionRule : std::uint8_t { off, printed, corrected, inferred, hidden };
+inline constexpr std::size_t kOcclusionRules = 5;
 const std::vector<std::string>& occlusion_rule_names();
 
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own
@@ -49,6 +50,9 @@ struct MethodSpec {
   KalmanOptions kalman;  // of kalman and rts
   BoneWindowOptions window;
 };
+
+// Whether the method needs to know which joints are hidden.
+inline bool asks_for_hidden(const MethodSpec& spec) { return spec.occlusion == OcclusionRule::hidden; }
 
 // Where a setting comes from: from the study or calibration, or from the take itself.
 const std::vector<std::string>& stated_or_estimated();

@@ -66,6 +66,9 @@ std::vector<Table> agreement_tables(const StudyErrors& errors);
 std::vector<Table> angle_tables(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 std::vector<Figure> angle_figures(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
 
+// The Cramer-Rao bound of the ranges by joint group, and how far methods stay above it. Empty without truth.
+std::vector<Table> bound_tables(const ResultsSummary& summary, const TrackingSummary& tracking);
+
 // The tables on how the sensors tracked: the clocks' offset by motion, how sensors disagree, predictions.
 // Tables without rows are left out.
 std::vector<Table> tracking_tables(const TrackingSummary& summary);

@@ -79,7 +79,58 @@ Table predictions_table(const TrackingSummary& s) {
   return table;
 }
 
+Table rules_table(const TrackingSummary& s) {
+  using R = RuleRow;
+  const auto share = [](std::uint64_t R::*part, std::uint64_t R::*whole) {
+    return in_percent([=](const R& r) { return share_of(r.*part, r.*whole); });
+  };
+  Table table = table_of<R>(
+      "rules", fmt::format("Whether rules find the views that truly hide a joint ({})", data_text(s)),
+      s.rules,
+      {{"condition", "condition", as_text(&R::condition)},
+       {"joint", "joint", as_text(&R::group)},
+       {"rule", "rule", as_text(&R::rule)},
+       {"views", "views", as_count(&R::views)},
+       {"hidden (%)", "hidden_percent", share(&R::hidden, &R::views)},
+       {"marked (%)", "marked_percent", share(&R::marked, &R::views)},
+       {"precision (%)", "precision_percent", share(&R::both, &R::marked)},
+       {"recall (%)", "recall_percent", share(&R::both, &R::hidden)}});
+  add_notes(table, "rules");
+  return table;
+}
+
 }  // namespace
+
+std::vector<Table> bound_tables(const ResultsSummary& s, const TrackingSummary& tracking) {
+  using R = BoundRow;
+  if (tracking.bounds.empty() || s.left_out()) return {};
+  const bool has_none = std::ranges::find(s.alignments, "none") != s.alignments.end();
+  const std::string alignment = has_none ? "none" : s.alignments.front();
+  std::vector<RowColumn<R>> columns{{"condition", "condition", as_text(&R::condition)},
+                                    {"joint", "joint", as_text(&R::group)},
+                                    {"n", "n", as_count(&R::n)},
+                                    {"ranges err by (cm)", "range_error_cm", in_cm(&R::range_error_m)},
+                                    {"GDOP", "gdop", as_number(2, &R::mean_gdop)},
+                                    {"bound (cm)", "bound_cm", in_cm(&R::bound_m)}};
+  for (const std::string& method : s.methods) {
+    if (method != "linear" && method != "mean" && !method.starts_with("nonlinear")) continue;
+    if (method.find(',') != std::string::npos && method.find("left out") == std::string::npos) continue;
+    const auto error_m = [&s, method, alignment](const R& r) {
+      const SummaryCell* cell = find_cell(s, method, r.condition, r.group, alignment);
+      return cell ? cell->mae_m : kNoNumber;
+    };
+    columns.push_back({method + " (cm)", method + "_mae_cm", in_cm(error_m)});
+    columns.push_back({method + " / bound", method + "_by_bound",
+                       as_number(2, [error_m](const R& r) { return error_m(r) / r.bound_m(); })});
+  }
+  Table table =
+      table_of<R>("bound",
+                  fmt::format("What ranges and geometry leave at best, beside the errors ({}; alignment: {})",
+                              data_text(tracking), alignment),
+                  tracking.bounds, columns);
+  add_notes(table, "bound");
+  return {table};
+}
 
 std::vector<Table> prediction_tables(const TrackingSummary& s) {
   if (s.predictions.empty()) return {};
@@ -90,6 +141,7 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
   std::vector<Table> tables;
   if (!s.clocks.empty()) tables.push_back(clocks_table(s));
   if (!s.rays.empty()) tables.push_back(rays_table(s));
+  if (!s.rules.empty()) tables.push_back(rules_table(s));
   return tables;
 }
 

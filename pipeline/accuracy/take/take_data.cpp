@@ -14,6 +14,7 @@
 #include "datasets/session/session_verify.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
+#include "pipeline/accuracy/take/hidden_views.h"
 #include "pipeline/accuracy/take/person_choice.h"
 #include "pipeline/accuracy/take/sensor_track.h"
 #include "pipeline/accuracy/take/take_checks.h"
@@ -249,7 +250,8 @@ OcclusionCounts count_crossings(const BodyTracks& bodies, OcclusionVariant varia
   return counts;
 }
 
-void find_occlusions(const Plan& plan, TakeData& data) {
+void find_occlusions(const Plan& plan, const PlannedTake& planned,
+                     const std::function<bool()>& stop_requested, TakeData& data) {
   const auto slot = [&](OcclusionRule rule) -> OcclusionCounts& {
     return data.occlusions[static_cast<std::size_t>(rule)];
   };
@@ -257,6 +259,8 @@ void find_occlusions(const Plan& plan, TakeData& data) {
                           [](const Method& m) { return m.spec.occlusion == OcclusionRule::printed; }))
     slot(OcclusionRule::printed) = count_crossings(data.bodies, OcclusionVariant::printed);
   slot(OcclusionRule::corrected) = count_crossings(data.bodies, OcclusionVariant::corrected);
+  if (std::ranges::any_of(plan.methods, [](const Method& m) { return asks_for_hidden(m.spec); }))
+    slot(OcclusionRule::hidden) = hidden_views(planned, data, stop_requested);
 }
 
 }  // namespace
@@ -312,7 +316,7 @@ TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data,
   if (left_out) leave_out(plan, planned, *left_out, data);
   if (data.truth_m.empty())
     data.truth_m.assign(data.time.size() * plan.joints.size(), Eigen::Vector3d::Constant(kNaN));
-  find_occlusions(plan, data);
+  find_occlusions(plan, planned, stop_requested, data);
   if (!left_out || estimates_calibration(plan)) find_corrections(planned, data);
   if (!left_out) {
     append({check_sides(plan, planned, data), {}}, data);

@@ -11,6 +11,34 @@
 namespace trilat {
 namespace {
 
+void add(const RuleRow& more, RuleRow& row) {
+  row.views += more.views;
+  row.hidden += more.hidden;
+  row.marked += more.marked;
+  row.both += more.both;
+}
+
+void add(const BoundRow& more, BoundRow& row) {
+  row.n += more.n;
+  row.ranges += more.ranges;
+  row.range_error_m2 += more.range_error_m2;
+  row.gdop += more.gdop;
+}
+
+// Sums of one condition, group and rule stand in one row.
+template <class Row>
+void add_row(const Row& more, std::vector<Row>& rows) {
+  const auto same = std::ranges::find_if(rows, [&](const Row& row) {
+    bool is_same = row.condition == more.condition && row.group == more.group;
+    if constexpr (requires { row.rule; }) is_same = is_same && row.rule == more.rule;
+    return is_same;
+  });
+  if (same == rows.end())
+    rows.push_back(more);
+  else
+    add(more, *same);
+}
+
 TrackingSummary sum_tracking(const Plan& plan, std::span<const TakeResult> takes) {
   TrackingSummary summary{plan.study.name, plan.simulated, plan.study.stage.repair_exchanges};
   std::vector<PredictionSums> predictions;
@@ -20,6 +48,8 @@ TrackingSummary sum_tracking(const Plan& plan, std::span<const TakeResult> takes
     std::ranges::copy(tracking.checks, std::back_inserter(summary.checks));
     if (!tracking.clock.status.empty()) summary.clocks.push_back(tracking.clock);
     if (!tracking.rays.take.empty()) summary.rays.push_back(tracking.rays);
+    for (const RuleRow& row : tracking.rules) add_row(row, summary.rules);
+    for (const BoundRow& row : tracking.bounds) add_row(row, summary.bounds);
   }
   summary.predictions = prediction_rows(predictions);
   return summary;

@@ -43,8 +43,10 @@ struct TakeTracking {
   RayRow rays = {};
   std::vector<PredictionSums> predictions = {};
   std::vector<AngleSums> angles = {};
+  std::vector<RuleRow> rules = {};
+  std::vector<BoundRow> bounds = {};
 
-  TRILAT_FIELDS(checks, predictions, clock, rays, angles)
+  TRILAT_FIELDS(checks, predictions, clock, rays, angles, rules, bounds)
 };
 
 // All that evaluating one take gives besides its file.

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "pipeline/accuracy/take/take_data.h"
+#include "pipeline/accuracy/tracking_summary.h"
+
+namespace trilat {
+
+// Whether the take is simulated with all true joints beside its session (truth.csv).
+bool knows_hidden_views(const Take& take);
+
+// 1 for every view from which a joint is truly hidden: less than the share of it that the simulated tracker
+// needs is visible past the generated person's own body. InputError where the take's true joints are not
+// known; Interrupted when asked to stop.
+OcclusionCounts hidden_views(const PlannedTake& planned, const TakeData& data,
+                             const std::function<bool()>& stop_requested);
+
+// How often each rule marks a view that is hidden, by joint group; empty where it is not known what is.
+std::vector<RuleRow> judge_rules(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
+// What ranges and geometry leave at best, by joint group, of the instants with a truth and three ranges that
+// span space: Cramer-Rao bound, the errors of ranges taken as independent and as large as they are on
+// average.
+std::vector<BoundRow> bounds_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+
+}  // namespace trilat
