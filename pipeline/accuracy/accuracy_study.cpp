@@ -308,16 +308,17 @@ void check_cross_check(const Plan& plan) {
 // Without the methods that leave out what is truly hidden, where nobody knows that.
 StudySpec known_methods(StudySpec spec, const Campaign& campaign, std::vector<TakeNote>& notes) {
   if (std::ranges::all_of(campaign.takes, knows_hidden_views)) return spec;
-  const std::size_t all = spec.methods.size();
+  std::string names;
+  for (const MethodSpec& method : spec.methods)
+    if (asks_for_hidden(method)) names += (names.empty() ? "" : ", ") + method.name;
+  if (names.empty()) return spec;
   std::erase_if(spec.methods, asks_for_hidden);
-  if (spec.methods.size() == all) return spec;
   if (spec.methods.empty())
     throw InputError("study \"" + spec.name + "\" /methods",
                      "leave out what is truly hidden, which simulations of generated persons alone know");
-  notes.push_back({"", false, "campaign.json",
-                   fmt::format("{} methods that leave out truly hidden views are left out: simulations alone "
-                               "know which those are",
-                               all - spec.methods.size())});
+  notes.push_back(
+      {"", false, "campaign.json",
+       "is evaluated without " + names + ": simulations alone know which views are truly hidden"});
   return spec;
 }
 
@@ -366,8 +367,8 @@ ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, co
     };
   on_threads(options.threads, [&](int) {
     const Watch watch{options.stop_requested, {}};
-    run_study(accuracy_study(with_wand_poses(spec, campaign, output, watch), campaign, options.cross_check,
-                             hashes, watch),
+    run_study(accuracy_study(with_wand_poses(spec, campaign, output, *hashes, watch), campaign,
+                             options.cross_check, hashes, watch),
               output, run);
   });
   return read_summary(output);

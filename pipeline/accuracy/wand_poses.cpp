@@ -5,11 +5,12 @@
 #include <array>
 #include <vector>
 
-#include "datasets/base/content_hash.h"
+#include <nlohmann/json.hpp>
+
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/version.h"
 #include "pipeline/calibration/calibrate_wand.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 namespace {
@@ -29,31 +30,19 @@ const WandPoses& wand_poses(PoseSource poses) {
   return kByWand.at(static_cast<std::size_t>(poses) - 1);
 }
 
-fs::path file_of(PoseSource poses, const fs::path& folder) {
-  return folder / "poses" / wand_poses(poses).file;
-}
-
-// By their content, in the order of calibrate_wand()'s sources.
-std::vector<std::string> hashes_of(const CampaignWand& wand, const Watch& watch) {
-  std::vector<std::string> hashes{hash_of_file(wand.session, watch.stop_requested)};
-  if (!wand.mocap.empty()) hashes.push_back(hash_of_file(wand.mocap, watch.stop_requested));
-  return hashes;
-}
-
-bool is_made_from(const std::vector<std::string>& hashes, const fs::path& file) {
-  try {
-    const Calibration calibration = read_calibration(file);
-    return calibration.program == kProgramVersion &&
-           std::ranges::equal(calibration.sources, hashes, {}, &CalibrationSource::sha256);
-  } catch (const InputError&) {
-    return false;
-  }
+// Folder of the calibrations by this wand, of this build of the program.
+fs::path folder_of(const CampaignWand& wand, const fs::path& results, HashCache& hashes, const Watch& watch) {
+  Json inputs{hashes.hash(wand.session, watch.stop_requested).sha256};
+  if (!wand.mocap.empty())
+    inputs.insert(inputs.end(), {hashes.hash(wand.mocap, watch.stop_requested).sha256, wand.asset,
+                                 wand.mocap_start_host_ns});
+  return results / "poses" / key_of({{"wand", inputs}}).substr(0, 12);
 }
 
 }  // namespace
 
-StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::path& folder,
-                          const Watch& watch) {
+StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::path& results,
+                          HashCache& hashes, const Watch& watch) {
   std::vector<Stage*> stages;
   for (Stage& stage : study.stages) stages.push_back(&stage);
   if (stages.empty()) stages.push_back(&study.stage);
@@ -64,12 +53,11 @@ StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::p
                      "asks for poses by a wand, and the campaign names none: add \"wand\": {\"session\": …} "
                      "to its campaign.json, or leave the key out for the takes' own calibration");
   const CampaignWand& wand = *campaign.wand;
-  const std::vector<std::string> hashes = hashes_of(wand, watch);
+  const fs::path folder = folder_of(wand, results, hashes, watch);
   std::vector<PoseSource> missing;
   for (Stage* stage : stages) {
-    stage->calibration = file_of(stage->poses, folder);
-    if (std::ranges::find(missing, stage->poses) == missing.end() &&
-        !is_made_from(hashes, stage->calibration))
+    stage->calibration = folder / wand_poses(stage->poses).file;
+    if (!fs::exists(stage->calibration) && std::ranges::find(missing, stage->poses) == missing.end())
       missing.push_back(stage->poses);
   }
   if (missing.empty()) return study;
@@ -79,9 +67,9 @@ StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::p
   std::vector<WandMethod> methods;
   for (const PoseSource poses : missing) methods.push_back(wand_poses(poses).method);
   const std::vector<WandCalibration> made = calibrate_wand_by(methods, {wand.session}, options);
-  make_folder(folder / "poses");
+  make_folder(folder);
   for (std::size_t m = 0; m < missing.size(); ++m)
-    write_calibration(file_of(missing[m], folder), made[m].calibration);
+    write_calibration(folder / wand_poses(missing[m]).file, made[m].calibration);
   return study;
 }
 

@@ -138,8 +138,8 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   return {.plan =
               [=, output = arguments.output](const Watch& watch) {
                 if (asks_for_wand(spec)) mark_output(output, {"run", {spec.name}, campaign.name});
-                return accuracy_study(with_wand_poses(spec, campaign, output, watch), campaign, cross_check,
-                                      hashes, watch);
+                return accuracy_study(with_wand_poses(spec, campaign, output, *hashes, watch), campaign,
+                                      cross_check, hashes, watch);
               },
           .print_plan =
               [=](const Shard& shard, bool as_json, const Watch& watch) {

@@ -18,7 +18,7 @@ namespace {
 constexpr double kNoTime_s = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t kBlock = 4096;
 
-// What a simulation knows of one sensor's clocks.
+// One sensor's clocks as a simulation knows them.
 struct TrueClocks {
   ClockMap<HostClock, SensorClock> host_from_sensor;
   ClockMap<HostClock, AgentTag> host_from_agent;
@@ -142,7 +142,7 @@ struct MethodRow {
   std::vector<double> (*errors_s)(const ClockTrial&);
 };
 
-// In the order of ClockMethod.
+// The methods in the order of ClockMethod.
 constexpr std::array<MethodRow, 7> kMethods{{{"none", without_exchanges},
                                              {"one exchange at the start", by_first_exchange},
                                              {"as printed, for the server's clock", as_printed},

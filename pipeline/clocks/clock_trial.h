@@ -15,7 +15,7 @@ struct TrialFrame {
   HostTime exposure, sent, received;  // on the recorder's clock
 };
 
-// What one sensor's clocks did in one recording.
+// One sensor's clocks in one recording.
 struct ClockTrial {
   std::vector<ClockExchange> exchanges;  // by t1
   std::vector<TrialFrame> frames;  // received in this order, as over TCP: a late one holds up those behind it
@@ -23,13 +23,13 @@ struct ClockTrial {
   bool is_exact = false;           // the frames' times are the simulator's, and not those of the offline fit
 };
 
-// Of a recorded sensor, by its body frames, or its depth frames where there are no bodies. Times are those of
+// Reads a recorded sensor's body frames, or its depth frames where there are no bodies. Times are those of
 // the simulator where truth.json states its clocks, else of the offline fit. A session does not keep when
 // frames were received: each is taken to travel as long as the answer of the exchange next to it, and to wait
 // for the one before. InputError where it has no exchanges.
 ClockTrial read_clock_trial(const SessionReader& session, std::size_t sensor);
 
-// How a frame gets its time.
+// Ways to give a frame its time.
 enum class ClockMethod {
   none,            // the computer's clock is taken for the recorder's
   first_exchange,  // its offset at the start is taken off

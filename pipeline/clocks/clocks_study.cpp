@@ -35,7 +35,7 @@ void tell(Settings& s, ClocksSpec& spec) {
     "the most by which a frame may be late for the paper's queue, and from its exposure to count as in time");
 }
 
-// When the server takes frames out of its queues; a server's own frame is as long as the limit.
+// Moments at which the server takes frames out of its queues; a server's own frame is as long as the limit.
 struct ServerWay {
   const char* name;
   bool in_frames;
@@ -58,7 +58,7 @@ std::vector<Recording> recordings_of(const Campaign& campaign) {
   return recordings;
 }
 
-// What one sensor's clock did in one recording.
+// Errors of one sensor's clock in one recording.
 struct TrialErrors {
   std::vector<std::vector<double>> by_method_s;
   std::vector<std::array<QueueCounts, kServerWays.size()>> queues;  // by method

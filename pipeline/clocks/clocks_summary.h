@@ -81,7 +81,8 @@ struct MachineRow {
   double offset_bound_s = TimeSpread::kNone;        // what unlike delays can add, at most
   double bend_s = TimeSpread::kNone;                // of the clock from the fitted line, at most
   double within_bound_share = TimeSpread::kNone;    // of frames whose true error bound and 4 sigma hold
-  // From exposure to the recorder, where the session states how long a frame takes to its computer.
+  // Time from exposure to the recorder; NaN where the session does not state how long a frame takes to its
+  // sensor's computer.
   double latency_median_s = TimeSpread::kNone, latency_p99_s = TimeSpread::kNone;
   double in_time_share = TimeSpread::kNone;  // of frames that are there within the study's limit
 

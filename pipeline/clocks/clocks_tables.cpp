@@ -19,7 +19,7 @@ TableValue share_cell(std::uint64_t part, std::uint64_t whole) {
   return TableValue::of(100.0 * share_of(part, whole), 2);
 }
 
-// What the tables are of.
+// Subject of the tables.
 std::string about(const ClocksSummary& s) {
   return fmt::format("{}{} recording{}, {} computers of sensors ({})", s.simulated ? "simulated, " : "",
                      s.recordings, s.recordings == 1 ? "" : "s", s.machines.size(), s.campaign);
@@ -177,7 +177,7 @@ std::string clock_effect(const ClocksSummary& s) {
       median_ms("as printed, for the server's clock"), median_ms("corrected, causal"));
 }
 
-// What a live system reaches, first.
+// Sentences on what a live system reaches.
 std::vector<std::string> findings(const ClocksSummary& s) {
   std::vector<std::string> found;
   for (const ClockErrorRow& row : s.clocks)

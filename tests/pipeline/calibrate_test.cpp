@@ -276,7 +276,7 @@ TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
   for (std::size_t s = 0; s < 3; ++s) expect_pose(result.calibration.sensors[s], rig[s], 1e-4, 0.01);
 }
 
-// Of two positions too: the wand's own frame is turned and shifted into the export's.
+// The wand's own frame is turned and shifted into the export's by two positions, too.
 TEST(CalibrateWandVerb, PosesFromTwoPositionsAreTiedToTheExport) {
   const ScratchFolder folder;
   SimulationSpec spec = walking_spec(1, 0.2);

@@ -52,7 +52,7 @@ TEST(ClocksStudy, SaysOfEveryComputerHowGoodItsClockWas) {
   EXPECT_LT(row_of(summary, "as printed, on the client's clock").error.median_s, 0.004);
 }
 
-// By right clocks nothing comes from the future; a computer's clock that is taken for the recorder's is off
+// Nothing comes from the future by right clocks; a computer's clock that is taken for the recorder's is off
 // by up to a thousand seconds, and its frames are dropped for it. Nothing is taken that may not be late at
 // all.
 TEST(ClocksStudy, AWrongClockMakesTheQueueDropFramesThatCameInTime) {

@@ -120,12 +120,13 @@ TEST(SensorClocks, ExactOnesAreTheSimulatorsAndOfSimulationsAlone) {
 
 TEST(WandPoses, ACampaignWithoutAWandIsRefusedWithTheKey) {
   const ScratchFolder folder;
+  HashCache hashes;
   const Campaign campaign{"c", true, {Take{}}, folder.path()};
   const StudySpec study = study_of(std::string(R"("poses": "two_positions", )") + kMeanAlone);
-  EXPECT_THAT(message_of([&] { with_wand_poses(study, campaign, folder / "results", {}); }),
+  EXPECT_THAT(message_of([&] { with_wand_poses(study, campaign, folder / "results", hashes, {}); }),
               HasSubstr("/poses: asks for poses by a wand, and the campaign names none: add \"wand\""));
-  EXPECT_TRUE(
-      with_wand_poses(study_of(kMeanAlone), campaign, folder / "results", {}).stage.calibration.empty());
+  EXPECT_TRUE(with_wand_poses(study_of(kMeanAlone), campaign, folder / "results", hashes, {})
+                  .stage.calibration.empty());
   EXPECT_FALSE(std::filesystem::exists(folder / "results"));
 }
 
@@ -138,11 +139,12 @@ TEST(WandPoses, TheCampaignsWandPlacesTheSensorsInOptiTracksWorld) {
   simulate_into(folder / "campaign", spec);
   const Campaign campaign = read_campaign(folder / "campaign");
   ASSERT_TRUE(campaign.wand.has_value());
+  HashCache hashes;
   const Calibration truth = read_calibration(folder / "campaign/calibration.json");
   const StudySpec study =
       staged(R"({"name": "refined", "poses": "wand"}, {"name": "two", "poses": "two_positions"},
                                     {"name": "printed", "poses": "printed"})");
-  const StudySpec made = with_wand_poses(study, campaign, folder / "results", {});
+  const StudySpec made = with_wand_poses(study, campaign, folder / "results", hashes, {});
   const std::vector<double> limits_m{0.03, 0.08};
   for (std::size_t stage = 0; stage < limits_m.size(); ++stage) {
     const Calibration calibration = read_calibration(made.stages[stage].calibration);
@@ -157,13 +159,13 @@ TEST(WandPoses, TheCampaignsWandPlacesTheSensorsInOptiTracksWorld) {
   const Calibration printed = read_calibration(made.stages[2].calibration);
   EXPECT_EQ(printed.method, kWithoutTranslation);
   // made again only where the wand is another
-  const auto written = [&] { return std::filesystem::last_write_time(folder / "results/poses/wand.json"); };
-  const auto before = written();
-  with_wand_poses(study, campaign, folder / "results", {});
-  EXPECT_EQ(written(), before);
+  const auto before = std::filesystem::last_write_time(made.stages[0].calibration);
+  const StudySpec again = with_wand_poses(study, campaign, folder / "results", hashes, {});
+  EXPECT_EQ(again.stages[0].calibration, made.stages[0].calibration);
+  EXPECT_EQ(std::filesystem::last_write_time(made.stages[0].calibration), before);
   write_file(campaign.wand->mocap, read_file(campaign.wand->mocap) + "\n");
-  with_wand_poses(study, campaign, folder / "results", {});
-  EXPECT_NE(written(), before);
+  EXPECT_NE(with_wand_poses(study, campaign, folder / "results", hashes, {}).stages[0].calibration,
+            made.stages[0].calibration);
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ struct SensorClockMap {
   AgentClock agent;
   std::vector<SensorEpoch> epochs;  // in the order of the recording
   StampEvidence stamps;
-  // Where a live system gives frames their times: by their arrivals instead of their ticks.
+  // Host time of an arrival as a live system knows it; where it is set, frames get their times by their
+  // arrivals.
   std::function<HostTime(AgentTime)> live = {};
 
   // Of several epochs that which the stamps fit best.

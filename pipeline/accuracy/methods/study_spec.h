@@ -28,12 +28,12 @@ enum class FrameChoice : std::uint8_t { interpolated, newest };
 // or the paper's two (eq. 6 and 7), corrected or as printed.
 enum class PoseSource : std::uint8_t { stated, wand, two_positions, printed };
 
-// How a frame gets its time. `offline`: by its ticks and all exchanges of clocks. `exact`: as the simulator
+// Source of a frame's time. `offline`: its ticks and all exchanges of clocks. `exact`: as the simulator
 // knows. As a live system: by its arrival and the exchanges until then, corrected (`causal`), or by eq. 20 to
 // 22 as printed, which give the time on the clock of the sensor's computer (erratum E11).
 enum class SensorClocks : std::uint8_t { offline, exact, causal, printed };
 
-// What stands between what was recorded and what methods see.
+// Settings between what was recorded and what methods see.
 struct Stage {
   std::string name = {};  // a condition of the results; empty: the study has one stage
   PoseSource poses = PoseSource::stated;
@@ -42,8 +42,8 @@ struct Stage {
   // With the newest frame: one that arrives longer after its exposure is dropped; the paper's real time.
   double frame_late_s = 0.033;
   bool repair_exchanges = true;  // left and right that a sensor has exchanged are put right
-  // Of the sensors, where the poses are not the stated ones: with_wand_poses() fills it. A plan for people to
-  // read does without.
+  // Calibration of poses that are not the stated ones, filled by with_wand_poses(). A plan for people to read
+  // does without.
   std::filesystem::path calibration = {};
 };
 

@@ -21,7 +21,7 @@ ResultsSummary of_condition(ResultsSummary s, const std::string& condition) {
   return s;
 }
 
-// How a method's average changes from one condition to another.
+// Change of a method's average from one condition to another.
 TableValue change_cell(const ResultsSummary& s, const std::string& from, const std::string& to,
                        const std::string& method) {
   const auto changes = changes_between(of_condition(s, from), of_condition(s, to));
@@ -43,6 +43,7 @@ std::vector<StagesOf> activities_of(const ResultsSummary& s, const std::vector<s
   for (const std::string& first : s.conditions) {
     if (!first.ends_with(stages.front())) continue;
     const std::string before = first.substr(0, first.size() - stages.front().size());  // "walking, "
+    if (!before.empty() && !before.ends_with(", ")) continue;
     StagesOf& entry = activities.emplace_back();
     entry.activity = before.substr(0, before.find_last_of(','));
     for (const std::string& stage : stages) entry.conditions.push_back(before + stage);

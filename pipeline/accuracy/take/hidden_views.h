@@ -13,12 +13,13 @@ namespace trilat {
 bool knows_hidden_views(const Take& take);
 
 // 1 for every view from which a joint is truly hidden: less than the share of it that the simulated tracker
-// needs is visible past the generated person's own body. InputError where the take's true joints are not
-// known; Interrupted when asked to stop.
+// needs is visible past the generated person's own body, sensors standing as the take's calibration says.
+// InputError where the take's true joints are not known; Interrupted when asked to stop.
 OcclusionCounts hidden_views(const PlannedTake& planned, const TakeData& data,
                              const std::function<bool()>& stop_requested);
 
-// How often each rule marks a view that is hidden, by joint group; empty where it is not known what is.
+// Counts of the views that each rule marks and that are truly hidden, by joint group; empty where nobody
+// knows which are.
 std::vector<RuleRow> judge_rules(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 // What ranges and geometry leave at best, by joint group, of the instants with a truth and three ranges that

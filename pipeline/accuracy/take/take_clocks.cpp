@@ -9,7 +9,7 @@
 namespace trilat {
 namespace {
 
-// Of the sensor, as truth.json beside the session states it.
+// Line from the sensor's clock to the host's, as truth.json beside the session states it.
 ClockMap<HostClock, SensorClock> true_line(const std::filesystem::path& truth, const std::string& sensor) {
   const Json json = read_json(truth);
   JsonObject object(json, truth.string(), "");
