@@ -187,6 +187,8 @@ void show_stages(const StudySpec& study, const ResultsSummary& summary, StoredTa
     if (table.shown == Table::Shown::first) table.shown = Table::Shown::detail;
   std::vector<std::string> names;
   for (const Stage& stage : study.stages) names.push_back(stage.name);
+  shown.findings = stages_findings(summary, names);
+  shown.warnings = stages_warnings(summary, names);
   figures.figures = stages_figures(summary, names);
   std::vector<Table> tables = stages_tables(summary, names);
   for (Table& table : tables) table.shown = Table::Shown::first;

@@ -76,6 +76,13 @@ TEST(Stages, EveryTakeIsEvaluatedAtEachAndTheTableSaysWhatChanges) {
   const TableValue& change = tables[0].rows[3][3];
   EXPECT_NEAR(change.number.value(), 100.0 * (error_m("newest") - error_m("live")), 0.01);
   EXPECT_LT(change.low, change.number);
+  const std::vector<std::string> findings = stages_findings(summary, {"exact", "offline", "live", "newest"});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_THAT(findings[0], HasSubstr("The largest step is \"newest\": +"));
+  ResultsSummary noted = summary;
+  noted.notes = {{"p01-walking.1", false, "x", "first"}, {"p01-walking.4", false, "x", "fourth"}};
+  EXPECT_THAT(stages_warnings(noted, {"exact", "offline", "live", "newest"}),
+              testing::Contains(HasSubstr("1 thing, namely: take p01-walking.1")));
   const std::vector<Figure> figures = stages_figures(summary, {"exact", "offline", "live", "newest"});
   ASSERT_EQ(figures.size(), 1u);
   EXPECT_NEAR(figures[0].series.at(0).points.at(3).x, 100.0 * error_m("newest"), 1e-9);

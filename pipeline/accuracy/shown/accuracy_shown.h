@@ -33,6 +33,11 @@ bool is_like_the_papers(const ResultsSummary& summary, const std::string& condit
 // Every method at every stage of a study, with its change from the stage before, participants paired; a table
 // and a figure an activity. `stages`: the names in their order, at least one.
 std::vector<Table> stages_tables(const ResultsSummary& summary, const std::vector<std::string>& stages);
+// The reference's errors by stage, and the largest step; a sentence an activity.
+std::vector<std::string> stages_findings(const ResultsSummary& summary,
+                                         const std::vector<std::string>& stages);
+// The warnings of the first stage, and takes that failed at any.
+std::vector<std::string> stages_warnings(ResultsSummary summary, const std::vector<std::string>& stages);
 std::vector<Figure> stages_figures(const ResultsSummary& summary, const std::vector<std::string>& stages);
 
 // Errors of the leading methods by take, a table a condition, the largest error of the best method first.

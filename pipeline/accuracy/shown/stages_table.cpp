@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Errors stage by stage.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -73,7 +74,9 @@ Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vecto
       const SummaryCell* cell = average_cell(s, method, of.conditions[i]);
       table.rows.push_back(
           {TableValue::of(method), TableValue::of(stages[i]),
-           cell ? cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m) : no_cell(),
+           cell ? number_cell(1, cell->mae_m * kCentimetresPerMetre, cell->mae_low_m * kCentimetresPerMetre,
+                              cell->mae_high_m * kCentimetresPerMetre)
+                : no_cell(),
            i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], method) : no_cell(),
            cell ? percent_cell(cell->coverage()) : no_cell()});
     }
@@ -122,6 +125,42 @@ std::vector<Figure> stages_figures(const ResultsSummary& summary, const std::vec
   for (const StagesOf& of : activities_of(summary, stages))
     figures.push_back(stages_figure(summary, of, stages));
   return figures;
+}
+
+std::vector<std::string> stages_findings(const ResultsSummary& s, const std::vector<std::string>& stages) {
+  std::vector<std::string> findings;
+  for (const StagesOf& of : activities_of(s, stages)) {
+    std::string errors, largest;
+    double largest_cm = 0.0;
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+      const SummaryCell* cell = average_cell(s, s.reference, of.conditions[i]);
+      if (!cell || !std::isfinite(cell->mae_m)) continue;
+      errors += fmt::format("{}{:.1f} cm ({})", errors.empty() ? "" : ", ",
+                            cell->mae_m * kCentimetresPerMetre, stages[i]);
+      const TableValue change =
+          i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], s.reference) : no_cell();
+      if (!(std::abs(change.number.value_or(0.0)) > largest_cm)) continue;
+      largest_cm = std::abs(*change.number);
+      largest = fmt::format(" The largest step is \"{}\": {:+.1f} cm ({:.1f} to {:.1f}).", stages[i],
+                            *change.number, change.low, change.high);
+    }
+    findings.push_back(fmt::format("**{}{}**: `{}` errs by {}, each stage with those before it.{}",
+                                   s.simulated ? "Simulated" : "Recorded",
+                                   of.activity.empty() ? "" : ", " + of.activity, s.reference, errors,
+                                   largest));
+  }
+  return findings;
+}
+
+std::vector<std::string> stages_warnings(ResultsSummary s, const std::vector<std::string>& stages) {
+  // what later stages break is what they are there to show
+  std::erase_if(s.notes, [](const TakeNote& note) {
+    return !note.failed && !note.take.empty() && !note.take.ends_with(".1");
+  });
+  std::vector<std::string> first;
+  for (const StagesOf& of : activities_of(s, stages)) first.push_back(of.conditions.front());
+  s.conditions = first;
+  return accuracy_warnings(s);
 }
 
 }  // namespace trilat
