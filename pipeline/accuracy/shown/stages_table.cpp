@@ -66,18 +66,18 @@ Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vecto
       about(s, of.activity, s.alignments.front()));
   table.columns = {{"method", "method", true},
                    {"stage", "stage", true},
-                   interval_column("error (cm)", "mae_cm"),
                    interval_column("change (cm)", "change_cm"),
+                   interval_column("error (cm)", "mae_cm"),
                    {"answered (%)", "answered_percent"}};
   for (const std::string& method : s.methods)
     for (std::size_t i = 0; i < stages.size(); ++i) {
       const SummaryCell* cell = average_cell(s, method, of.conditions[i]);
       table.rows.push_back(
           {TableValue::of(method), TableValue::of(stages[i]),
+           i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], method) : no_cell(),
            cell ? number_cell(1, cell->mae_m * kCentimetresPerMetre, cell->mae_low_m * kCentimetresPerMetre,
                               cell->mae_high_m * kCentimetresPerMetre)
                 : no_cell(),
-           i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], method) : no_cell(),
            cell ? percent_cell(cell->coverage()) : no_cell()});
     }
   add_notes(table, "stages");
