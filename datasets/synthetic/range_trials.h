@@ -53,9 +53,9 @@ void make_range_trials(const RangeTrialModel& model, std::uint64_t first_trial, 
 
 // Which index of a trial's RandomStream is drawn for what.
 namespace trial_index {
-inline constexpr std::uint32_t kJoint = 0;              // x, y, z of `volume`
-inline constexpr std::uint32_t kSensor = 8;             // of the first sensor
-inline constexpr std::uint32_t kPerSensor = 4;          // length, height, azimuth, range error
+inline constexpr std::uint32_t kJoint = 0;      // x, y, z of `volume`
+inline constexpr std::uint32_t kSensor = 8;     // of the first sensor
+inline constexpr std::uint32_t kPerSensor = 4;  // length, height, azimuth, range error
 inline constexpr std::uint32_t kRangeError = 3;
 }  // namespace trial_index
 
