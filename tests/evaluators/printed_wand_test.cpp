@@ -72,6 +72,14 @@ TEST(PrintedWand, TheLastPixelsOfThePrintedRuleAreThoseOfTheCorrectedOne) {
               21 * 11);
 }
 
+TEST(PrintedWand, AnImageInWhichNothingWasSeenShowsNoWand) {
+  for (const Binarisation binarisation : {Binarisation::printed, Binarisation::corrected})
+    EXPECT_EQ(find_wand_as_printed(filled_with(0).view(), printed_rays(),
+                                   {.invalid_pixels = Reading::corrected, .binarisation = binarisation})
+                  .status,
+              WandStatus::no_wand);
+}
+
 // One invalid pixel is the nearest of all as printed: in the end only it is left.
 TEST(PrintedWand, AsPrintedOneInvalidPixelTakesTheWandsPlace) {
   DepthPicture picture = block_before_a_wall();

@@ -222,6 +222,26 @@ TEST(Gate, AStudyOfAnotherShapeDoesNotBlindTheOthers) {
   EXPECT_NEAR(alarms[1].percent, 10.0, 1e-9);
 }
 
+// One study's results take the place of that study's in a baseline of several, whatever their folder is
+// called.
+TEST(Gate, AcceptingOneStudyKeepsTheOthersOfTheBaseline) {
+  const ScratchFolder folder;
+  MadeStudy other;
+  other.name = "runs";
+  write_made_results(folder / "all" / "first", {});
+  write_made_results(folder / "all" / "second", other);
+  accept_results(folder / "all", folder / "baseline", "first night", "2026-01-01T00:00:00Z");
+  write_made_results(folder / "larger", {}, larger_errors(1.1));
+  accept_results(folder / "larger", folder / "baseline", "a harder take", "2026-01-02T00:00:00Z");
+  const ResultsSet now = find_results(folder / "baseline");
+  ASSERT_EQ(now.results.size(), 2u);
+  for (const FoundResults& found : now.results) {
+    const bool is_walks = found.study == "walks";
+    EXPECT_EQ(found.name, is_walks ? "first" : "second");
+    EXPECT_EQ(found.summary, read_json(folder / (is_walks ? "larger" : "all/second") / "summary.json"));
+  }
+}
+
 // A number of another study that was zero has no size in percent; more or less of it is not surely worse.
 TEST(Gate, AMethodThatIsSurelyWorseComesBeforeNumbersThatChanged) {
   ScratchFolder folder;

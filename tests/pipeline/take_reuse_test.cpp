@@ -173,5 +173,30 @@ TEST(Reuse, WhatFailedIsTriedAgain) {
   EXPECT_EQ(computed_in(work.folder / "whole"), 1u);
 }
 
+// The program's own file, since one that was changed within two seconds is not remembered.
+TEST(HashCache, RemembersAcrossRunsAndDoesWithoutADamagedMemory) {
+  const ScratchFolder folder;
+  HashCache first;
+  const std::string sha256 = first.hash(kProgram, {}).sha256;
+  EXPECT_EQ(sha256.size(), 64u);
+  first.save(folder.path());
+  std::string text = read_file(folder / "hashes.json");
+  const auto at = text.find(sha256);
+  ASSERT_NE(at, std::string::npos);
+  const auto hash_after = [&](const std::string& memory) {
+    write_file(folder / "hashes.json", memory);
+    HashCache later;
+    later.load(folder.path());
+    return later.hash(kProgram, {}).sha256;
+  };
+  EXPECT_EQ(hash_after(text.replace(at, 64, std::string(64, 'f'))), std::string(64, 'f'));
+  EXPECT_EQ(hash_after(text.substr(0, text.size() / 2)), sha256);
+  EXPECT_EQ(hash_after(R"({"format": "trilat.hashes", "version": 2, "files": {}})"), sha256);
+  HashCache absent;
+  absent.load(folder / "none");
+  EXPECT_EQ(absent.hash(kProgram, {}).sha256, sha256);
+  EXPECT_EQ(absent.hash(folder / "none", {}).sha256, "");
+}
+
 }  // namespace
 }  // namespace trilat
