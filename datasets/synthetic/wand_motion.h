@@ -24,15 +24,15 @@ struct WandInstant {
   Eigen::Vector3d ball_in_world_m;
   Eigen::Vector3d stick_direction;  // from the ball's centre to the hand that holds the stick; unit
   SkeletonPose person;
-  bool is_held = true;  // otherwise it hangs free and nobody is there
+  bool is_held = true;  // false: it hangs free, and no person is in the room
 };
 
 // The first three positions define a frame of their own: 1 m high on one side of the middle of the rig; 1.2
 // to 1.4 m from it on the other side, at the same height; 0.6 m above the first. The others are anywhere in a
 // cylinder about the middle, 0.9 m wide each way and from 0.4 to 1.7 m high, so that several sensors see most
 // of them. Somebody stands 1.2 m beside the ball (a quarter of a turn on), faces it and holds the stick in
-// the right hand; as far as the third position the wand hangs free, as whoever sets up a rig sees to it that
-// all sensors see what the world is defined by.
+// the right hand. Until the end of the third position the wand hangs free without a person, so that all
+// sensors see the places that define the world.
 class WandMotion {
  public:
   WandMotion(const WandMotionSpec& spec, std::uint64_t seed, const Eigen::Vector3d& rig_centre_in_world_m,

@@ -307,7 +307,7 @@ void check_cross_check(const Plan& plan) {
                      "against Ceres");
 }
 
-// Without the methods that leave out what is truly hidden, where nobody knows that.
+// Removes the methods that leave out the truly hidden views where these are not known.
 StudySpec known_methods(StudySpec spec, const Campaign& campaign, std::vector<TakeNote>& notes) {
   if (std::ranges::all_of(campaign.takes, knows_hidden_views)) return spec;
   std::string names;

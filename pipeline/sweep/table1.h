@@ -21,8 +21,8 @@ struct Table1Readings {
   bool complete() const { return printed && corrected; }
 };
 
-// Those worth a table: none of many, and none when the sweep's thresholds or error ranges are not the
-// paper's.
+// The readings that get a table: none where the sweep has many readings, or thresholds or error ranges that
+// are not the paper's.
 std::vector<Table1Readings> table1_readings(const SweepSummary& summary, const PrintedTable1& paper);
 
 // The paper's Table I beside ours, one table for each reading that was run with the printed and with the

@@ -371,7 +371,7 @@ TEST(WriteSession, TheGapBeforeALogWithoutFramesCounts) {
 }
 
 // The computer of an agent was started anew in the middle of a recording: its monotonic clock began again,
-// and its wall clock was 2 s off. What it exchanged with the recorder tells how both clocks stand.
+// and its wall clock was 2 s off. Its exchanges with the recorder give the offset of both clocks.
 TEST(WriteSession, AComputerThatWasStartedAnewIsPlacedByItsExchanges) {
   const ScratchFolder folder;
   constexpr std::int64_t kSecond = 1'000'000'000;

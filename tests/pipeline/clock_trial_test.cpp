@@ -19,7 +19,7 @@ namespace {
 
 using testing::Each;
 
-// One in each range, on their lower edges, and one that is no number.
+// One time on the lower edge of each range, and a NaN.
 TEST(SpreadTimes, RangesBeginOnTheirEdges) {
   const TimeSpread spread =
       spread_times({0.0, 0.002, 0.004, 0.011, 0.022, 0.033, std::numeric_limits<double>::quiet_NaN()});

@@ -80,7 +80,7 @@ struct StudySpec {
 
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
 
-// Those of the study, or its one.
+// The study's stages; its single stage where it names none.
 std::vector<Stage> stages_of(const StudySpec& study);
 
 // The study as one stage sees it, by itself.

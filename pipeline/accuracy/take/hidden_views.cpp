@@ -65,7 +65,7 @@ OcclusionCounts hidden_views(const PlannedTake& planned, const TakeData& data,
                              const std::function<bool()>& stop_requested) {
   if (!knows_hidden_views(planned.take))
     throw InputError(planned.take.session.string(),
-                     "has no truth.csv beside it, so nobody knows which joints are hidden: \"occlusion\": "
+                     "has no truth.csv beside it, so the hidden joints are not known: \"occlusion\": "
                      "\"hidden\" is for simulations of generated persons");
   const MarkerTrack truth = read_true_joints(planned.take);
   const SessionReader session(planned.take.session);

@@ -18,13 +18,12 @@ bool knows_hidden_views(const Take& take);
 OcclusionCounts hidden_views(const PlannedTake& planned, const TakeData& data,
                              const std::function<bool()>& stop_requested);
 
-// Counts of the views that each rule marks and that are truly hidden, by joint group; empty where nobody
-// knows which are.
+// Counts of the views that each rule marks and that are truly hidden, by joint group; empty where the truly
+// hidden views are not known.
 std::vector<RuleRow> judge_rules(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
-// What ranges and geometry leave at best, by joint group, of the instants with a truth and three ranges that
-// span space: Cramer-Rao bound, the errors of ranges taken as independent and as large as they are on
-// average.
+// The Cramer-Rao bound of the position error, by joint group: a mean over the instants with a truth and three
+// ranges that span space. Range errors are taken as independent, and as large as their average.
 std::vector<BoundRow> bounds_of(const Plan& plan, const PlannedTake& planned, const TakeData& data);
 
 }  // namespace trilat
