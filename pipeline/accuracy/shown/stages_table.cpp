@@ -91,8 +91,7 @@ Figure stages_figure(const ResultsSummary& s, const StagesOf& of, const std::vec
   figure.title = "Mean error stage by stage";
   figure.caption = fmt::format(
       "{}{}, {} participant{}: mean error over the joint groups with its 95 % interval, each stage with what "
-      "the "
-      "stages above it changed.",
+      "the stages above it changed.",
       s.simulated ? "Simulated" : "Recorded", of.activity.empty() ? "" : " " + of.activity, s.participants,
       s.participants == 1 ? "" : "s");
   figure.x_label = "mean error (cm)";
