@@ -5,6 +5,8 @@
 #include <array>
 #include <string>
 
+#include <fmt/format.h>
+
 namespace trilat {
 namespace {
 
@@ -42,6 +44,13 @@ std::optional<LengthUnit> length_unit_from_text(std::string_view text) {
 }
 
 std::string_view name_of(LengthUnit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
+
+std::string in_metres_text(double length, double min_m, double max_m) {
+  for (const LengthUnit unit : {LengthUnit::centimetre, LengthUnit::millimetre})
+    if (const double length_m = length * metres_per(unit); length_m >= min_m && length_m <= max_m)
+      return fmt::format("; as {}s it would be {:g}", name_of(unit), length_m);
+  return {};
+}
 
 double metres_per(LengthUnit unit) { return kUnits[static_cast<std::size_t>(unit)].metres; }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace trilat {
@@ -24,5 +25,9 @@ enum class LengthUnit { metre, centimetre, millimetre, inch, foot };
 std::optional<LengthUnit> length_unit_from_text(std::string_view text);
 std::string_view name_of(LengthUnit unit);  // "metre", …
 double metres_per(LengthUnit unit);
+
+// "; as centimetres it would be 1.5" of a length that is none in metres, where it is one in another unit;
+// else empty.
+std::string in_metres_text(double length, double min_m, double max_m);
 
 }  // namespace trilat

@@ -279,10 +279,13 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
   if (object.has("room")) spec.room = read_room(object.object("room"));
   if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));
   if (object.has("wand")) spec.wand = read_wand_spec(object.object("wand"));
-  if (object.has("depth") && !spec.depth.takes && !spec.wand)
-    object.refuse("depth", "says nothing without \"takes\": true in it or \"wand\" beside it");
-  if (object.has("room") && !spec.depth.takes && !spec.wand)
-    object.refuse("room", "is not visible without depth: \"takes\": true in \"depth\", or \"wand\"");
+  if (object.has("bench")) spec.bench = read_bench_spec(object.object("bench"));
+  const bool has_depth = spec.depth.takes || spec.wand || spec.bench;
+  if (object.has("depth") && !has_depth)
+    object.refuse("depth", "says nothing without \"takes\": true in it, or \"wand\" or \"bench\" beside it");
+  if (object.has("room") && !has_depth)
+    object.refuse("room",
+                  "is not visible without depth: \"takes\": true in \"depth\", or \"wand\" or \"bench\"");
   object.about({{"stature_m", "of the persons"},
                 {"recorded", "an OptiTrack take that is watched instead of generated persons"},
                 {"activities", "of every person; without it walking"},
@@ -292,7 +295,8 @@ SimulationSpec parse_simulation(const Json& json, const std::string& place,
                 {"mocap", "the virtual OptiTrack"},
                 {"room", "what depth sees besides persons"},
                 {"depth", "errors of depth"},
-                {"wand", "a calibration recording beside the takes"}});
+                {"wand", "a calibration recording beside the takes"},
+                {"bench", "recordings of a ball at stated distances, and of flat walls"}});
   object.finish();
   if (spec.recorded) spec.participants = 1;
   if (spec.participants * std::max<std::size_t>(1, spec.activities.size()) > 16'000)

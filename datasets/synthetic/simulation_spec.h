@@ -93,6 +93,7 @@ struct SimulationSpec {
   RoomSpec room;
   DepthSpec depth;
   std::optional<WandSpec> wand;
+  std::optional<BenchSpec> bench;
 };
 
 // Paths are relative to `folder`.

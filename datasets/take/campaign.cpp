@@ -16,7 +16,9 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/known_names.h"
+#include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
@@ -144,6 +146,10 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
   return take;
 }
 
+void read_ball_radius(JsonObject& object, double& ball_radius_m) {
+  setting(object, "ball_radius_m", ball_radius_m, {0.01, 0.3}, "of the wand's ball");
+}
+
 CampaignWand read_wand(JsonObject object, const std::filesystem::path& folder) {
   CampaignWand wand{path_of(object, "session", folder)};
   if (object.has("mocap")) {
@@ -151,12 +157,39 @@ CampaignWand read_wand(JsonObject object, const std::filesystem::path& folder) {
     wand.asset = object.text("asset");
     wand.mocap_start_host_ns = object.integer("mocap_start_host_ns");
   }
+  read_ball_radius(object, wand.ball_radius_m);
   object.about({{"session", "recording in which the wand is held still at many places"},
                 {"mocap", "OptiTrack's export of it"},
                 {"asset", "whose position is the ball's centre"},
                 {"mocap_start_host_ns", "what the recording's host clock showed at its first frame"}});
   object.finish();
   return wand;
+}
+
+StatedDistances read_stated_distances(JsonObject object, const std::filesystem::path& folder) {
+  StatedDistances stated{path_of(object, "session", folder), path_of(object, "places", folder)};
+  read_ball_radius(object, stated.ball_radius_m);
+  object.about({{"session", "recording in which the ball is held still at these places"},
+                {"places", "CSV with from_s, to_s, sensor, distance_m, and angle_deg where it is known"}});
+  object.finish();
+  return stated;
+}
+
+FlatWall read_wall(JsonObject object, const std::filesystem::path& folder) {
+  FlatWall wall{path_of(object, "session", folder)};
+  constexpr double kMin_m = 0.3, kMax_m = 8.0;
+  if (object.has("distance_m")) {
+    wall.distance_m = object.number("distance_m");
+    object.range("distance_m", kMin_m, kMax_m);
+    if (!(*wall.distance_m >= kMin_m && *wall.distance_m <= kMax_m))
+      object.refuse("distance_m",
+                    fmt::format("is {:g}; state metres, {:g} to {:g}{}", *wall.distance_m, kMin_m, kMax_m,
+                                in_metres_text(*wall.distance_m, kMin_m, kMax_m)));
+  }
+  object.about({{"session", "recording of a flat wall that fills the images"},
+                {"distance_m", "from the sensors, where it was measured"}});
+  object.finish();
+  return wall;
 }
 
 }  // namespace
@@ -245,10 +278,18 @@ Campaign parse_campaign(const Json& json, const std::filesystem::path& file) {
   }
   if (campaign.takes.empty()) object.refuse("takes", "must hold at least one take");
   if (object.has("wand")) campaign.wand = read_wand(object.object("wand"), file.parent_path());
+  if (object.has("stated_distances"))
+    for (JsonObject& entry : object.objects("stated_distances"))
+      campaign.stated_distances.push_back(read_stated_distances(std::move(entry), file.parent_path()));
+  if (object.has("walls"))
+    for (JsonObject& entry : object.objects("walls"))
+      campaign.walls.push_back(read_wall(std::move(entry), file.parent_path()));
   object.about({{"name", "of the campaign"},
                 {"simulated", "every table says so"},
                 {"takes", "what was recorded"},
-                {"wand", "a recording for studies that take their poses from it"}});
+                {"wand", "a recording to calibrate with"},
+                {"stated_distances", "recordings of a ball at measured distances"},
+                {"walls", "recordings of a flat wall"}});
   object.finish();
   return campaign;
 }
@@ -284,11 +325,19 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
             {"simulated", campaign.simulated},
             {"takes", takes}};
   if (const std::optional<CampaignWand>& wand = campaign.wand) {
-    json["wand"] = {{"session", inside(wand->session)}};
+    json["wand"] = {{"session", inside(wand->session)}, {"ball_radius_m", wand->ball_radius_m}};
     if (!wand->mocap.empty())
       json["wand"].update(Json{{"mocap", inside(wand->mocap)},
                                {"asset", wand->asset},
                                {"mocap_start_host_ns", wand->mocap_start_host_ns}});
+  }
+  for (const StatedDistances& stated : campaign.stated_distances)
+    json["stated_distances"].push_back({{"session", inside(stated.session)},
+                                        {"places", inside(stated.places)},
+                                        {"ball_radius_m", stated.ball_radius_m}});
+  for (const FlatWall& wall : campaign.walls) {
+    json["walls"].push_back({{"session", inside(wall.session)}});
+    if (wall.distance_m) json["walls"].back()["distance_m"] = *wall.distance_m;
   }
   write_file(folder / "campaign.json", exact_json_text(json, 2) + "\n");
 }

@@ -102,6 +102,8 @@ struct Take {
   std::vector<BroughtJoints> joints{};
 };
 
+inline constexpr double kWandBallRadius_m = 0.075;
+
 // A recording of a wand that was held still at many places, and OptiTrack's export of it; a wand without an
 // export gives poses in a frame of its own.
 struct CampaignWand {
@@ -109,6 +111,22 @@ struct CampaignWand {
   std::filesystem::path mocap = {};
   std::string asset = {};  // whose position is the ball's centre
   std::int64_t mocap_start_host_ns = 0;
+  double ball_radius_m = kWandBallRadius_m;
+};
+
+// A recording of a ball at places whose distance from a sensor was measured, as with a laser meter;
+// `places` is a CSV that states them (FORMATS.md).
+struct StatedDistances {
+  std::filesystem::path session;
+  std::filesystem::path places;
+  double ball_radius_m = kWandBallRadius_m;
+};
+
+// A recording of a flat wall that fills the sensors' images, and its distance from them where it was
+// measured.
+struct FlatWall {
+  std::filesystem::path session;
+  std::optional<double> distance_m = {};
 };
 
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the folder.
@@ -119,6 +137,8 @@ struct Campaign {
   std::filesystem::path folder{};       // where it was read from
   std::filesystem::path calibration{};  // of all takes, where the user gave one instead of their own
   std::optional<CampaignWand> wand{};
+  std::vector<StatedDistances> stated_distances{};
+  std::vector<FlatWall> walls{};
 };
 
 // `path` is the folder or its campaign.json. Take ids must be unique and usable as names.

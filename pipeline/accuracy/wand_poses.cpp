@@ -32,7 +32,7 @@ const WandPoses& wand_poses(PoseSource poses) {
 
 // Folder of the calibrations by this wand, of this build of the program.
 fs::path folder_of(const CampaignWand& wand, const fs::path& results, HashCache& hashes, const Watch& watch) {
-  Json inputs{hashes.hash(wand.session, watch.stop_requested).sha256};
+  Json inputs{hashes.hash(wand.session, watch.stop_requested).sha256, wand.ball_radius_m};
   if (!wand.mocap.empty())
     inputs.insert(inputs.end(), {hashes.hash(wand.mocap, watch.stop_requested).sha256, wand.asset,
                                  wand.mocap_start_host_ns});
@@ -63,6 +63,7 @@ StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::p
   if (missing.empty()) return study;
   CalibrateWandOptions options;
   options.search.watch = watch;
+  options.search.find.ball_radius_m = wand.ball_radius_m;
   if (!wand.mocap.empty()) options.world = WandInWorld{wand.mocap, wand.asset, wand.mocap_start_host_ns};
   std::vector<WandMethod> methods;
   for (const PoseSource poses : missing) methods.push_back(wand_poses(poses).method);

@@ -63,17 +63,20 @@ void check_placement(const RigStart& start, const WandViews& views, const std::v
     if (start.placement[s] == SensorPlacement::placed)
       placed += (placed.empty() ? "" : ", ") + views.evidence[s].name;
   const auto no_common_view = [&](const std::string& who) {
-    return InputError(place, who + "has fewer than three wand positions in common with any of " + placed +
-                                 "; hold the wand where both see it");
+    return InputError(place, who + "has fewer than three wand positions in common with " +
+                                 (placed.empty() ? "another sensor" : "any of " + placed) +
+                                 "; hold the wand where two see it, still at each place");
   };
+  const auto named = [&](std::size_t s) { return "sensor \"" + views.evidence[s].name + "\" "; };
+  for (std::size_t s = 0; s < start.placement.size(); ++s)
+    if (start.placement[s] == SensorPlacement::nothing_seen && !saw_alone[s])
+      throw InputError(place, named(s) + why_nothing_seen(views.evidence[s]));
   for (std::size_t s = 0; s < start.placement.size(); ++s) {
-    const std::string who = "sensor \"" + views.evidence[s].name + "\" ";
+    const std::string who = named(s);
     switch (start.placement[s]) {
       case SensorPlacement::placed:
         break;
       case SensorPlacement::nothing_seen:
-        if (saw_alone[s]) throw no_common_view(who);
-        throw InputError(place, who + why_nothing_seen(views.evidence[s]));
       case SensorPlacement::no_common_view:
         throw no_common_view(who);
       case SensorPlacement::points_on_line:

@@ -77,9 +77,7 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
   const WandViews views = view_wand(sessions, options);
   std::vector<WandCalibration> results;
   for (const WandMethod method : methods)
-    results.push_back(method == WandMethod::wand
-                          ? calibrate_views(views, sessions.front().path().string(), options)
-                          : calibrate_by_two(sessions.front(), method, options, views));
+    results.push_back(calibrate_searched(method, sessions.front(), options, views));
   std::vector<std::filesystem::path> sources = files;
   sources.insert(sources.end(), others.begin(), others.end());
   for (const std::filesystem::path& file : sources) {
@@ -89,6 +87,12 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
   }
   watched.check();
   return results;
+}
+
+WandCalibration calibrate_searched(WandMethod method, const SessionReader& first,
+                                   const CalibrateWandOptions& options, const WandViews& views) {
+  return method == WandMethod::wand ? calibrate_views(views, first.path().string(), options)
+                                    : calibrate_by_two(first, method, options, views);
 }
 
 Calibration calibrate_two_positions(const WandViews& all_views, const std::string& place,

@@ -30,6 +30,10 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
                                                const std::vector<std::filesystem::path>& files,
                                                const CalibrateWandOptions& options);
 
+// The same by one method, where the wand was looked for already. `first`: the first recording.
+WandCalibration calibrate_searched(WandMethod method, const SessionReader& first,
+                                   const CalibrateWandOptions& options, const WandViews& views);
+
 // The paper's calibration from the first two wand positions (eq. 6 and 7), as printed or corrected. Without
 // `movement_m` the wand moved by the mean of what the sensors saw. `floors`: one entry a sensor, whose normal
 // is the sensor's vertical where it has one; else that is the sensor's own y axis, as the paper assumes.

@@ -145,6 +145,17 @@ WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptio
   return views;
 }
 
+HostTime start_of_depth(const SessionReader& session) {
+  std::optional<HostTime> start;
+  for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
+    if (session.counts(s).depth_frames == 0) continue;
+    const HostTime first = fit_sensor_clock(session, s)(session.stamps(s, FrameStream::depth, 0, 1).front());
+    start = start ? std::min(*start, first) : first;
+  }
+  if (!start) throw InputError(session.path().string(), "has no depth frames");
+  return *start;
+}
+
 std::vector<bool> sensors_that_saw(const WandViews& views) {
   std::vector<bool> saw(views.evidence.size(), false);
   for (const WandPosition& position : views.positions)

@@ -54,6 +54,9 @@ struct ViewWandOptions {
 // recording with other sensors than the first.
 WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options);
 
+// When the first depth frame of any sensor was exposed. InputError where there is none.
+HostTime start_of_depth(const SessionReader& session);
+
 // One entry a sensor.
 std::vector<bool> sensors_that_saw(const WandViews& views);
 

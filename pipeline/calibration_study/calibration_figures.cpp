@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -7,36 +8,22 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
-#include "datasets/paper/printed_tables.h"
-#include "pipeline/calibration_study/calibration_findings.h"
 #include "pipeline/calibration_study/calibration_tables.h"
+#include "pipeline/calibration_study/wand_errors.h"
 
 namespace trilat {
 namespace {
 
 constexpr const char* kMissing =
     "The paper's own figure is missing from its source, so only what its text says of it can be shown.";
-
 constexpr double kDistanceBin_m = 0.25;
-constexpr std::array kLineAngles_deg{0.0, 9.0, 18.0, 26.0, 40.0};  // edges; the paper recommends below 26
 
-// Ways to find the wand, each before a far wall, or in the room when it found nothing there.
-std::vector<const WandRow*> shown_rows(const CalibrationSummary& s) {
-  std::vector<const WandRow*> rows;
-  for (const char* method : kMainWandMethods) {
-    const WandRow *alone = wand_row(s, method, "far wall"), *room = wand_row(s, method, "room");
-    if (const WandRow* row = room && (!alone || alone->all.answered == 0) ? room : alone) rows.push_back(row);
-  }
-  return rows;
-}
-
-// Medians over bins of the distance, of the samples of one row between two angles.
-FigureSeries wand_curve(const CalibrationSummary& s, const WandRow& row, double from_deg, double to_deg) {
-  const auto index = static_cast<std::size_t>(&row - s.wand.data());
+// Medians over bins of the distance, of the samples of one method between two angles.
+FigureSeries wand_curve(const WandRecording& recording, std::size_t method, double from_deg, double to_deg) {
   std::map<long, std::vector<double>> errors_cm;
-  for (const WandSample& sample : s.wand_samples) {
+  for (const WandSample& sample : recording.samples) {
     const double angle_deg = sample.angle_rad * kDegreesPerRad;
-    if (sample.row == index && angle_deg >= from_deg && angle_deg < to_deg &&
+    if (sample.method == method && angle_deg >= from_deg && angle_deg < to_deg &&
         std::isfinite(sample.distance_error_m))
       errors_cm[std::lround(std::floor(sample.distance_m / kDistanceBin_m))].push_back(
           sample.distance_error_m * kCentimetresPerMetre);
@@ -47,68 +34,83 @@ FigureSeries wand_curve(const CalibrationSummary& s, const WandRow& row, double 
   return curve;
 }
 
-// The paper's own figure: error of a wand position against its distance and its angle.
+// Each main method in the first recording in which it found anything.
 Figure wand_figure(const CalibrationSummary& s) {
-  const PrintedCalibration paper = printed_calibration();
+  constexpr std::array kAngles_deg{0.0, 9.0, 18.0, 26.0, 40.0};  // edges; the paper recommends below 26
   Figure figure;
   figure.id = "distance-and-angle";
-  figure.title = "Error of a wand position's distance, by distance and angle (simulated)";
+  figure.title =
+      fmt::format("Error of the ball's distance, by distance and angle ({})", source_text(s.simulated));
   figure.caption = fmt::format(
-      "Simulated: error of the distance from the sensor to one wand position, the mean of {} frames, {} "
-      "units with {} samples each, every unit's constant depth offset included. Points are medians over {:g} "
-      "m of distance; lines are ranges of the angle from the central line. The paper claims {:g} +- {:g} cm "
-      "from {:g} to {:g} m (shaded) below {:g} degrees, and more error outside. {}",
-      s.frames, s.units, s.samples, kDistanceBin_m, paper.recommended_mean_cm, paper.recommended_spread_cm,
-      paper.recommended_m[0], paper.recommended_m[1], paper.recommended_below_deg, kMissing);
+      "{}: error of the distance from the sensor to one place of the ball, every sensor's constant depth "
+      "offset "
+      "included. Points are medians over {:g} m of distance; lines are ranges of the angle from the lens' "
+      "axis. The "
+      "paper claims {:g} +- {:g} cm from {:g} to {:g} m (shaded) below {:g} degrees, and more error outside. "
+      "{}",
+      s.simulated ? "Simulated" : "Recorded", kDistanceBin_m, paper_calibration().recommended_mean_cm,
+      paper_calibration().recommended_spread_cm, paper_calibration().recommended_m[0],
+      paper_calibration().recommended_m[1], paper_calibration().recommended_below_deg, kMissing);
   figure.x_label = "distance from the sensor (m)";
   figure.y_label = "error of the distance (cm)";
   figure.log_y = true;
-  for (const WandRow* row : shown_rows(s)) {
-    for (std::size_t k = 0; k + 1 < kLineAngles_deg.size(); ++k) {
-      FigureSeries curve = wand_curve(s, *row, kLineAngles_deg[k], kLineAngles_deg[k + 1]);
-      curve.panel = figure.panels.size();
-      if (!curve.points.empty()) figure.series.push_back(std::move(curve));
+  for (const char* method : kMainWandMethods)
+    for (const WandRecording& recording : s.wands) {
+      const std::size_t number = wand_method(method);
+      if (std::ranges::none_of(recording.samples, [&](const WandSample& sample) {
+            return sample.method == number && std::isfinite(sample.distance_error_m);
+          }))
+        continue;
+      for (std::size_t k = 0; k + 1 < kAngles_deg.size(); ++k) {
+        FigureSeries curve = wand_curve(recording, number, kAngles_deg[k], kAngles_deg[k + 1]);
+        curve.panel = figure.panels.size();
+        if (!curve.points.empty()) figure.series.push_back(std::move(curve));
+      }
+      figure.panels.push_back(fmt::format("{}, {}", method, recording.name));
+      break;
     }
-    figure.panels.push_back(
-        fmt::format("{}, {}", row->method, row->scene == "room" ? "in the room" : "far wall"));
-  }
-  figure.bands = {
-      {paper.recommended_m[0], paper.recommended_m[1],
-       fmt::format("recommended: {:g} to {:g} m", paper.recommended_m[0], paper.recommended_m[1])}};
-  figure.lines = {
-      {paper.recommended_mean_cm, fmt::format("paper's mean: {:g} cm", paper.recommended_mean_cm)}};
+  figure.bands = {{paper_calibration().recommended_m[0], paper_calibration().recommended_m[1],
+                   fmt::format("recommended: {:g} to {:g} m", paper_calibration().recommended_m[0],
+                               paper_calibration().recommended_m[1])}};
+  figure.lines = {{paper_calibration().recommended_mean_cm,
+                   fmt::format("paper's mean: {:g} cm", paper_calibration().recommended_mean_cm)}};
   return figure;
 }
 
-FigureSeries column_series(const DistortionCurve& curve, const std::vector<double>& error_m,
-                           const std::string& group) {
-  FigureSeries series{fmt::format("unit {}: {}", curve.unit, group), FigureSeries::Style::line, {}, group};
+FigureSeries column_series(const WallRow& row, const std::vector<double>& error_m, const std::string& group) {
+  FigureSeries series{fmt::format("{}: {}", row.sensor, group), FigureSeries::Style::line, {}, group};
   for (std::size_t c = 0; c < error_m.size(); ++c)
     series.points.push_back({static_cast<double>(c), error_m[c] / kMetresPerMillimetre});
   return series;
 }
 
-Figure distortion_figure(const CalibrationSummary& s) {
-  const PrintedCalibration paper = printed_calibration();
-  const DistortionCurve& first = s.distortion.front();
+// Of the recording whose wall is nearest to the paper's distance.
+Figure wall_figure(const CalibrationSummary& s) {
+  const WallRow& nearest = *std::ranges::min_element(
+      s.walls, {}, [](const WallRow& row) { return std::abs(row.distance_m - paper_calibration().wall_m); });
   Figure figure;
   figure.id = "distortion";
-  figure.title =
-      fmt::format("A flat wall at {:g} m, middle row of the depth image (simulated)", first.wall_m);
+  figure.title = fmt::format("A flat wall, middle row of the depth image ({})", source_text(s.simulated));
   figure.caption = fmt::format(
-      "Simulated: mean absolute error of each column of the middle row over {} frames, one line a unit ({}). "
-      "The depth's level is mostly the unit's constant offset. The paper claims \"{}\" errors in the shaded "
-      "columns (its last column, {:g}, lies beyond the image). {}",
-      first.frames, s.distortion.size(), paper.worse,
-      paper.worse_columns.empty() ? 0.0 : paper.worse_columns.back()[1], kMissing);
+      "{}: mean absolute error of each column of the middle row over {} frames, one line a sensor ({}, "
+      "{:.1f} m): of "
+      "the depth from a fitted plane, and sideways by eq. 4. The paper claims \"{}\" errors in the shaded "
+      "columns "
+      "(its last column, {:g}, lies beyond the image). {}",
+      s.simulated ? "Simulated" : "Recorded", nearest.frames, nearest.recording, nearest.distance_m,
+      paper_calibration().worse,
+      paper_calibration().worse_columns.empty() ? 0.0 : paper_calibration().worse_columns.back()[1],
+      kMissing);
   figure.x_label = "column (pixels)";
   figure.y_label = "mean absolute error (mm)";
-  for (const DistortionCurve& curve : s.distortion)
-    figure.series.push_back(column_series(curve, curve.depth_error_m, "depth"));
-  for (const DistortionCurve& curve : s.distortion)
-    figure.series.push_back(column_series(curve, curve.printed_error_m, "sideways by eq. 4 as printed (E2)"));
-  const auto last = static_cast<double>(first.depth_error_m.empty() ? 0 : first.depth_error_m.size() - 1);
-  for (const auto& range : paper.worse_columns)
+  for (const WallRow& row : s.walls)
+    if (row.recording == nearest.recording)
+      figure.series.push_back(column_series(row, row.residual_m, "depth from the plane"));
+  for (const WallRow& row : s.walls)
+    if (row.recording == nearest.recording)
+      figure.series.push_back(column_series(row, row.printed_error_m, "sideways by eq. 4 as printed (E2)"));
+  const auto last = static_cast<double>(nearest.residual_m.empty() ? 0 : nearest.residual_m.size() - 1);
+  for (const auto& range : paper_calibration().worse_columns)
     figure.bands.push_back({range[0], std::min(range[1], last), "columns the paper calls worse"});
   return figure;
 }
@@ -117,8 +119,8 @@ Figure distortion_figure(const CalibrationSummary& s) {
 
 std::vector<Figure> calibration_figures(const CalibrationSummary& s) {
   std::vector<Figure> figures;
-  if (!s.wand_samples.empty()) figures.push_back(wand_figure(s));
-  if (!s.distortion.empty()) figures.push_back(distortion_figure(s));
+  if (!s.wands.empty()) figures.push_back(wand_figure(s));
+  if (!s.walls.empty()) figures.push_back(wall_figure(s));
   if (!figures.empty()) figures.front().is_first = true;
   return figures;
 }

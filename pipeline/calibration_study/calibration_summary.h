@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <string>
@@ -14,112 +13,89 @@
 
 namespace trilat {
 
-// How a set of errors is spread. NaN where nothing answered.
-struct ErrorSpread {
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::uint64_t asked = 0;
-  std::uint64_t answered = 0;
-  double mean_m = kNone;
-  double sd_m = kNone;
-  double median_m = kNone;
-  double p95_m = kNone;
-  double max_m = kNone;
-  // 95 % interval of the mean, by Student's t over units (each with its own depth offset), not over samples.
-  double mean_low_m = kNone, mean_high_m = kNone;
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-  TRILAT_FIELDS(asked, answered, mean_m, sd_m, median_m, p95_m, max_m, mean_low_m, mean_high_m)
+// Where the true distance of the ball comes from.
+enum class WandTruth : std::uint8_t {
+  stated,     // places.csv
+  optitrack,  // OptiTrack's export, in the pose that the other places give the sensor
+  sensors     // the other sensors, in the poses that the other places give
 };
+template <>
+inline constexpr int kEnumValues<WandTruth> = 3;
 
-// One way to find the wand, over all simulated samples of one scene.
-struct WandRow {
-  std::string method;       // "as printed", "ours", …
-  std::string scene;        // "far wall": ball alone, wall at 7 m; "room": with floor, walls and the person
-  ErrorSpread all;          // over the whole span of distance and angle
-  ErrorSpread recommended;  // 0.8 to 3 m and below 26 degrees
-  ErrorSpread near;         // nearer than 0.5 m
-  std::map<std::string, std::uint64_t> statuses;  // of `all`
-  // Errors of the distance from sensor to ball centre alone, in the recommended range: a laser meter measures
-  // it.
-  ErrorSpread recommended_distance = {};
-
-  TRILAT_FIELDS(method, scene, all, recommended, near, statuses, recommended_distance)
-};
-
-// One sample of the figure: error against distance and angle.
+// The ball as one method found it in one sensor's frames at one place.
 struct WandSample {
-  std::size_t row = 0;  // of which WandRow
-  std::uint64_t unit = 0;
-  double distance_m = 0.0;
-  double angle_rad = 0.0;
-  double error_m = ErrorSpread::kNone;           // in three dimensions; NaN: no answer
-  double distance_error_m = ErrorSpread::kNone;  // |measured - true| distance sensor - ball centre
+  std::size_t method = 0;  // of wand_method_names()
+  std::size_t sensor = 0, place = 0;
+  double distance_m = 0.0;                 // true, from the sensor to the ball's centre
+  double angle_rad = kNotMeasured;         // true, from the lens' axis; NaN: not known
+  double distance_error_m = kNotMeasured;  // absolute; NaN: no answer
+  double error_m = kNotMeasured;  // in three dimensions; NaN: no answer, or only the distance is known
 
   static constexpr bool as_list = true;
-  TRILAT_FIELDS(row, unit, distance_m, angle_rad, error_m, distance_error_m)
+  TRILAT_FIELDS(method, sensor, place, distance_m, angle_rad, distance_error_m, error_m)
 };
 
-// A flat wall, per column of the image's middle row; mean absolute values over all frames.
-struct DistortionCurve {
-  double wall_m = 0.0;
+// A sensor's pose by one way to calibrate, beside the one that the campaign states.
+struct PoseDifference {
+  std::string method, sensor;
+  double position_m = kNotMeasured, rotation_rad = kNotMeasured;
+  double position_sigma_m = kNotMeasured, rotation_sigma_rad = kNotMeasured;  // stated, an axis
+  std::string problem = {};                                                   // why there is no pose
+
+  TRILAT_FIELDS(method, sensor, position_m, rotation_rad, position_sigma_m, rotation_sigma_rad, problem)
+};
+
+// One recording of a ball that was held at places whose distance is known.
+struct WandRecording {
+  std::string name;
+  WandTruth truth = WandTruth::stated;
+  bool simulated = false;
+  double ball_radius_m = 0.0;
+  std::uint64_t frames = 0;  // whose mean is a sample, at most
+  std::vector<std::string> sensors;
+  std::vector<WandSample> samples;
+  std::vector<std::map<std::string, std::uint64_t>> statuses;  // by method: how the samples ended
+  std::vector<PoseDifference> poses;
+  std::vector<std::string> notes;
+
+  TRILAT_FIELDS(name, truth, simulated, ball_radius_m, frames, sensors, samples, statuses, poses, notes)
+};
+
+// A flat wall as one sensor saw it. Columns are those of the image's middle row.
+struct WallRow {
+  std::string recording, sensor;
+  double stated_m = kNotMeasured;    // distance of the wall, where it is stated
+  double distance_m = kNotMeasured;  // of the fitted plane, along the lens' axis
+  double tilt_rad = kNotMeasured;    // between the plane's normal and the lens' axis
   std::uint64_t frames = 0;
-  std::uint64_t unit = 0;
-  double unit_offset_m = 0.0;         // what the simulated unit adds to every depth
-  std::vector<std::uint64_t> valid;   // frames in which the column had a depth
-  std::vector<double> depth_error_m;  // of the depth
-  std::vector<double>
-      depth_residual_m;                 // of the depth less the row's mean error: without the constant offset
-  std::vector<double> printed_error_m;  // sideways, eq. 4 as printed (E2)
-  std::vector<double> lens_error_m;     // sideways, lens model
+  double noise_m = kNotMeasured;   // standard deviation of a pixel's depth over time; median over the wall
+  std::vector<double> residual_m;  // mean absolute difference of a column's depth from the plane
+  std::vector<double> printed_error_m;  // sideways, of eq. 4 as printed (E2)
 
-  TRILAT_FIELDS(wall_m, frames, unit, unit_offset_m, valid, depth_error_m, depth_residual_m, printed_error_m,
-                lens_error_m)
-  void check(const JsonObject& object) const {
-    for (const auto* curve : {&depth_error_m, &depth_residual_m, &printed_error_m, &lens_error_m})
-      if (curve->size() != valid.size()) object.refuse("valid", "must be as long as the curves");
-  }
+  TRILAT_FIELDS(recording, sensor, stated_m, distance_m, tilt_rad, frames, noise_m, residual_m,
+                printed_error_m)
 };
 
-// One way to calibrate a rig, over simulated runs.
-struct RigRow {
-  std::string method;  // "two positions, corrected", "wand", …
-  std::uint64_t runs = 0;
-  std::uint64_t failed_runs = 0;  // no pose for at least one sensor
-  ErrorSpread position;           // over sensors of all runs; not answered: no pose
-  double rotation_mean_rad = ErrorSpread::kNone;
-  double rotation_max_rad = ErrorSpread::kNone;
-  double within_limits_share = ErrorSpread::kNone;  // of sensors: 5 mm and 0.2 degrees
-  double coverage_share = ErrorSpread::kNone;  // of stated 95 % intervals, an axis each, that hold the truth
-  double coverage_low = ErrorSpread::kNone, coverage_high = ErrorSpread::kNone;  // 95 % interval over runs
-  // Errors over stated standard deviations, root mean square over axes: 1 where what is stated is right.
-  double position_z_rms = ErrorSpread::kNone, rotation_z_rms = ErrorSpread::kNone;
-  double mahalanobis2_mean = ErrorSpread::kNone;  // squared, of a pose's six numbers: 6 where it is right
-  double reduced_chi2_mean = ErrorSpread::kNone;  // over runs
-
-  TRILAT_FIELDS(method, runs, failed_runs, position, rotation_mean_rad, rotation_max_rad, within_limits_share,
-                coverage_share, coverage_low, coverage_high, position_z_rms, rotation_z_rms,
-                mahalanobis2_mean, reduced_chi2_mean)
+// One recording of a flat wall.
+struct WallRecording {
+  bool simulated = false;
+  std::vector<WallRow> rows;
+  TRILAT_FIELDS(simulated, rows)
 };
 
-// summary.json of a study of kind "calibration". All of it is simulated.
+// summary.json of a study of kind "calibration".
 struct CalibrationSummary {
   static constexpr StudyKind kKind = StudyKind::calibration;
-  std::string study;
-  std::uint64_t seed = 0;
-  std::uint64_t samples = 0, units = 0, frames = 0;  // samples a unit, frames a position
-  double ball_radius_m = 0.0;
-  std::vector<WandRow> wand;
-  std::vector<WandSample> wand_samples;
-  std::vector<DistortionCurve> distortion;
-  std::uint64_t positions = 0;  // of the wand in a run
-  std::vector<RigRow> rigs;
+  std::string study, campaign;
+  bool simulated = false;  // any recording
+  std::vector<WandRecording> wands;
+  std::vector<WallRow> walls;
+  std::vector<std::string> failed;  // recordings that could not be evaluated, each with the reason
   std::vector<ClaimNumber> claims;  // of the paper, that the study bears on
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(study)
-    field("simulated", true);
-    TRILAT_EACH(seed, samples, units, frames, ball_radius_m, positions, wand, wand_samples, distortion, rigs,
-                claims)
-  }
+  TRILAT_FIELDS(study, campaign, simulated, wands, walls, failed, claims)
 };
 
 }  // namespace trilat

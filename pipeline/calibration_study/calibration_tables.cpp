@@ -7,276 +7,329 @@
 
 #include <fmt/format.h>
 
-#include "datasets/paper/printed_tables.h"
-#include "pipeline/calibration_study/calibration_findings.h"
+#include "datasets/base/units.h"
+#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/wand_errors.h"
 
 namespace trilat {
 namespace {
 
-// Answers that are farther off than the ball is wide: something else was taken for it.
-std::uint64_t wrong_things(const CalibrationSummary& s, std::size_t row) {
-  std::uint64_t count = 0;
-  for (const WandSample& sample : s.wand_samples)
-    count += sample.row == row && sample.error_m > 2.0 * s.ball_radius_m;
-  return count;
-}
+// One way to find the ball in one recording.
+struct WandRow {
+  const WandRecording* recording;
+  std::size_t method;
 
-constexpr std::array<double, 7> kDistances_m{0.4, 0.8, 1.5, 2.25, 3.0, 3.75, 4.5};
-constexpr std::array<double, 5> kAngles_deg{0.0, 9.0, 18.0, 26.0, 35.0};
-
-struct Bin {
-  double from, to;
-  bool is_last;  // the upper edge belongs to it
-  std::uint64_t n = 0, answered = 0;
-  double sum_m = 0.0, distance_sum_m = 0.0;
-
-  void add(double where, const WandSample& sample) {
-    if (!(where >= from && (where < to || (is_last && where == to)))) return;
-    ++n;
-    if (!std::isfinite(sample.error_m)) return;
-    ++answered;
-    sum_m += sample.error_m;
-    distance_sum_m += sample.distance_error_m;
+  std::uint64_t another_thing() const {
+    return static_cast<std::uint64_t>(std::ranges::count_if(recording->samples, [&](const WandSample& s) {
+      const double off_m = std::isfinite(s.error_m) ? s.error_m : s.distance_error_m;
+      return s.method == method && off_m > 2.0 * recording->ball_radius_m;
+    }));
   }
-  double mean_m(double sum) const { return answered == 0 ? kNoNumber : sum / static_cast<double>(answered); }
 };
 
-template <std::size_t N>
-std::vector<Bin> bins_of(const std::array<double, N>& edges) {
-  std::vector<Bin> bins;
-  for (std::size_t i = 0; i + 1 < N; ++i) bins.push_back({edges[i], edges[i + 1], i + 2 == N});
-  return bins;
+using Zone = bool (*)(const WandSample&);
+bool is_inside(const WandSample& s) {
+  return s.distance_m >= paper_calibration().recommended_m[0] &&
+         s.distance_m <= paper_calibration().recommended_m[1] &&
+         s.angle_rad < paper_calibration().recommended_below_deg * kRadPerDegree;
+}
+bool is_near(const WandSample& s) { return s.distance_m < paper_calibration().near_m; }
+bool is_anywhere(const WandSample&) { return true; }
+
+ErrorSpread spread_in(const WandRow& row, Zone zone, double WandSample::*error) {
+  std::vector<ClusteredError> errors;
+  for (const WandSample& sample : row.recording->samples)
+    if (sample.method == row.method && zone(sample)) errors.push_back({sample.sensor, sample.*error});
+  return spread_of(errors);
+}
+auto in_zone(Zone zone, double WandSample::*error) {
+  return [=](const WandRow& row) { return spread_in(row, zone, error); };
 }
 
-// A study may ask for samples beyond the usual edges.
-void widen(std::vector<Bin>& bins, double where) {
-  bins.front().from = std::min(bins.front().from, where);
-  bins.back().to = std::max(bins.back().to, where);
+std::string truth_text(const WandRecording& recording) {
+  constexpr std::array kTruths{"stated distances", "OptiTrack, places left out",
+                               "other sensors, places left out"};
+  return kTruths.at(static_cast<std::size_t>(recording.truth));
 }
 
-struct WandBinRow {
-  const WandRow* row;
-  std::string by;
-  Bin bin;
-};
-
-// Finding the wand: every method in every scene, and two of them by distance and by angle.
-Table calibration_wand_table(const CalibrationSummary& s) {
+Table wand_table(const CalibrationSummary& s) {
   using R = WandRow;
   using E = ErrorSpread;
-  const PrintedCalibration paper = printed_calibration();
-  const auto number = [](double value, int decimals) { return TableValue::of(value, decimals); };
+  std::vector<R> rows;
+  for (const WandRecording& recording : s.wands)
+    for (std::size_t m = 0; m < wand_method_names().size(); ++m) rows.push_back({&recording, m});
+  const auto inside_distance = in_zone(is_inside, &WandSample::distance_error_m);
+  const auto inside = in_zone(is_inside, &WandSample::error_m);
+  const auto span = in_zone(is_anywhere, &WandSample::distance_error_m);
+  const auto near = in_zone(is_near, &WandSample::distance_error_m);
   Table table = table_of<R>(
-      "wand",
-      fmt::format("Finding the wand, simulated: {} units with {} samples each, the mean of {} frames a "
-                  "sample, ball of {:g} cm radius, seed {}",
-                  s.units, s.samples, s.frames, s.ball_radius_m * kCentimetresPerMetre, s.seed),
-      s.wand,
-      {{"method", "method", as_text(&R::method)},
-       {"scene", "scene", as_text(&R::scene)},
-       {"inside: asked", "inside_asked", of(&R::recommended, as_count(&E::asked))},
-       {"answered", "inside_answered", of(&R::recommended, as_count(&E::answered))},
+      "wand", fmt::format("Finding the ball, {} ({})", source_text(s.simulated), s.campaign), rows,
+      {{"method", "method", as_text([](const R& r) { return wand_method_names()[r.method]; })},
+       {"recording", "recording", as_text([](const R& r) { return r.recording->name; })},
+       {"truth", "truth", as_text([](const R& r) { return truth_text(*r.recording); })},
+       {"inside: asked", "inside_asked", of(inside_distance, as_count(&E::asked))},
+       {"answered", "inside_answered", of(inside_distance, as_count(&E::answered))},
        {"distance: mean (cm)", "inside_distance_mean_cm",
-        of(&R::recommended_distance, in_cm(&E::mean_m, &E::mean_low_m, &E::mean_high_m))},
-       {"sd (cm)", "inside_distance_sd_cm", of(&R::recommended_distance, in_cm(&E::sd_m))},
-       {"3-D: mean (cm)", "inside_mean_cm",
-        of(&R::recommended, in_cm(&E::mean_m, &E::mean_low_m, &E::mean_high_m))},
-       {"sd (cm)", "inside_sd_cm", of(&R::recommended, in_cm(&E::sd_m))},
-       {"span: asked", "span_asked", of(&R::all, as_count(&E::asked))},
-       {"answered", "span_answered", of(&R::all, as_count(&E::answered))},
-       {"3-D: mean (cm)", "span_mean_cm", of(&R::all, in_cm(&E::mean_m))},
-       {"median (cm)", "span_median_cm", of(&R::all, in_cm(&E::median_m))},
-       {"p95 (cm)", "span_p95_cm", of(&R::all, in_cm(&E::p95_m))},
-       {"another thing", "another_thing",
-        as_count([&](const R& r) { return wrong_things(s, static_cast<std::size_t>(&r - s.wand.data())); })},
-       {fmt::format("valid below {:g} m (%)", paper.near_m), "near_valid_percent",
-        of(&R::near, in_percent([](const E& e) { return share_of(e.answered, e.asked); }))},
+        of(inside_distance, in_cm(&E::mean_m, &E::mean_low_m, &E::mean_high_m))},
+       {"sd (cm)", "inside_distance_sd_cm", of(inside_distance, in_cm(&E::sd_m))},
+       {"3-D: mean (cm)", "inside_mean_cm", of(inside, in_cm(&E::mean_m, &E::mean_low_m, &E::mean_high_m))},
+       {"sd (cm)", "inside_sd_cm", of(inside, in_cm(&E::sd_m))},
+       {"all: asked", "span_asked", of(span, as_count(&E::asked))},
+       {"answered", "span_answered", of(span, as_count(&E::answered))},
+       {"distance: mean (cm)", "span_distance_mean_cm", of(span, in_cm(&E::mean_m))},
+       {"median (cm)", "span_distance_median_cm", of(span, in_cm(&E::median_m))},
+       {"p95 (cm)", "span_distance_p95_cm", of(span, in_cm(&E::p95_m))},
+       {"another thing", "another_thing", as_count(&R::another_thing)},
+       {fmt::format("answered below {:g} m (%)", paper_calibration().near_m), "near_answered_percent",
+        of(near, in_percent([](const E& e) { return share_of(e.answered, e.asked); }))},
        {"statuses", "statuses", as_text([](const R& r) {
-          return r.all.asked == 0 ? std::string() : statuses_text(r.statuses, r.all.asked);
+          std::uint64_t asked = 0;
+          for (const auto& [status, count] : r.recording->statuses[r.method]) asked += count;
+          return asked == 0 ? std::string() : statuses_text(r.recording->statuses[r.method], asked);
         })}});
-  table.rows.insert(table.rows.begin(),
-                    row_by_key(table, {{"method", TableValue::of("the paper, measured")},
-                                       {"scene", TableValue::of("laser meter")},
-                                       {"inside_asked", number(paper.recommended_samples, 0)},
-                                       {"inside_distance_mean_cm", number(paper.recommended_mean_cm, 2)},
-                                       {"inside_distance_sd_cm", number(paper.recommended_spread_cm, 2)},
-                                       {"span_asked", number(paper.samples, 0)},
-                                       {"near_valid_percent", number(paper.near_valid_percent, 1)},
-                                       {"statuses", TableValue::of("not stated")}}));
+  const auto number = [](double value, int decimals) { return TableValue::of(value, decimals); };
+  table.rows.insert(
+      table.rows.begin(),
+      row_by_key(table, {{"method", TableValue::of("the paper, measured")},
+                         {"truth", TableValue::of("laser meter")},
+                         {"inside_asked", number(paper_calibration().recommended_samples, 0)},
+                         {"inside_distance_mean_cm", number(paper_calibration().recommended_mean_cm, 2)},
+                         {"inside_distance_sd_cm", number(paper_calibration().recommended_spread_cm, 2)},
+                         {"span_asked", number(paper_calibration().samples, 0)},
+                         {"near_answered_percent", number(paper_calibration().near_valid_percent, 1)},
+                         {"statuses", TableValue::of("not stated")}}));
   add_notes(table, "wand",
-            {{"from", fmt::format("{:g}", paper.recommended_m[0])},
-             {"to", fmt::format("{:g}", paper.recommended_m[1])},
-             {"angle", fmt::format("{:g}", paper.recommended_below_deg)},
-             {"source", paper.source}});
-  for (const WandErratum& e : wand_errata(s)) table.notes.push_back(e.problem + "; " + e.effect + ".");
-  add_notes(table, "wand_rows");
+            {{"from", fmt::format("{:g}", paper_calibration().recommended_m[0])},
+             {"to", fmt::format("{:g}", paper_calibration().recommended_m[1])},
+             {"angle", fmt::format("{:g}", paper_calibration().recommended_below_deg)},
+             {"source", paper_calibration().source}});
+  if (s.simulated) add_notes(table, "wand_simulated");
   return table;
 }
 
-Table calibration_bins_table(const CalibrationSummary& s) {
-  std::vector<WandBinRow> rows;
+struct Bin {
+  const WandRow* row;
+  const char* by;
+  double from, to;
+  bool is_last;  // the upper edge belongs to it
+  std::vector<ClusteredError> distance_errors = {}, errors = {};
+
+  bool holds(double where) const { return where >= from && (where < to || (is_last && where <= to)); }
+  ErrorSpread of_distance() const { return spread_of(distance_errors); }
+  ErrorSpread of_place() const { return spread_of(errors); }
+};
+
+// Bins between edges; the outer ones reach as far as the samples do.
+std::vector<Bin> bins_between(const WandRow& row, const char* by, std::vector<double> edges,
+                              double (*where)(const WandSample&)) {
+  for (const WandSample& sample : row.recording->samples) {
+    if (!std::isfinite(where(sample))) continue;
+    edges.front() = std::min(edges.front(), where(sample));
+    edges.back() = std::max(edges.back(), where(sample));
+  }
+  std::vector<Bin> bins;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+    bins.push_back({&row, by, edges[i], edges[i + 1], i + 2 == edges.size()});
+  for (const WandSample& sample : row.recording->samples)
+    for (Bin& bin : bins)
+      if (sample.method == row.method && bin.holds(where(sample))) {
+        bin.distance_errors.push_back({sample.sensor, sample.distance_error_m});
+        bin.errors.push_back({sample.sensor, sample.error_m});
+      }
+  return bins;
+}
+
+Table bins_table(const CalibrationSummary& s) {
+  using E = ErrorSpread;
+  std::vector<WandRow> rows;
   for (const char* method : kMainWandMethods)
-    for (std::size_t r = 0; r < s.wand.size(); ++r) {
-      if (s.wand[r].method != method) continue;
-      std::vector<Bin> distances = bins_of(kDistances_m), angles = bins_of(kAngles_deg);
-      for (const WandSample& sample : s.wand_samples) {
-        widen(distances, sample.distance_m);
-        widen(angles, sample.angle_rad * kDegreesPerRad);
-      }
-      for (const WandSample& sample : s.wand_samples) {
-        if (sample.row != r) continue;
-        for (Bin& bin : distances) bin.add(sample.distance_m, sample);
-        for (Bin& bin : angles) bin.add(sample.angle_rad * kDegreesPerRad, sample);
-      }
-      for (const Bin& bin : distances) rows.push_back({&s.wand[r], "distance (m)", bin});
-      for (const Bin& bin : angles) rows.push_back({&s.wand[r], "angle (degrees)", bin});
-    }
-  Table table = table_of<WandBinRow>(
+    for (const WandRecording& recording : s.wands) rows.push_back({&recording, wand_method(method)});
+  std::vector<Bin> bins;
+  for (const WandRow& row : rows)
+    for (const auto& some :
+         {bins_between(row, "distance (m)", {0.3, 0.5, 0.8, 1.5, 2.25, 3.0, 3.75, 4.5},
+                       [](const WandSample& sample) { return sample.distance_m; }),
+          bins_between(row, "angle (degrees)", {0.0, 9.0, 18.0, 26.0, 35.0},
+                       [](const WandSample& sample) { return sample.angle_rad * kDegreesPerRad; })})
+      bins.insert(bins.end(), some.begin(), some.end());
+  Table table = table_of<Bin>(
       "bins",
-      fmt::format("Error of one wand position by distance and by angle, simulated: {} units with {} samples "
-                  "each, seed {}",
-                  s.units, s.samples, s.seed),
-      rows,
-      {{"method", "method", as_text([](const WandBinRow& r) { return r.row->method; })},
-       {"scene", "scene", as_text([](const WandBinRow& r) { return r.row->scene; })},
-       {"by", "by", as_text(&WandBinRow::by)},
-       {"from", "from", of(&WandBinRow::bin, as_number(-1, &Bin::from))},
-       {"to", "to", of(&WandBinRow::bin, as_number(-1, &Bin::to))},
-       {"n", "n", of(&WandBinRow::bin, as_count(&Bin::n))},
-       {"answered", "answered", of(&WandBinRow::bin, as_count(&Bin::answered))},
+      fmt::format("Error of one place of the ball by distance and by angle, {} ({})",
+                  source_text(s.simulated), s.campaign),
+      bins,
+      {{"method", "method", as_text([](const Bin& b) { return wand_method_names()[b.row->method]; })},
+       {"recording", "recording", as_text([](const Bin& b) { return b.row->recording->name; })},
+       {"by", "by", as_text(&Bin::by)},
+       {"from", "from", as_number(-1, &Bin::from)},
+       {"to", "to", as_number(-1, &Bin::to)},
+       {"n", "n", of(&Bin::of_distance, as_count(&E::asked))},
+       {"answered", "answered", of(&Bin::of_distance, as_count(&E::answered))},
        {"distance: mean (cm)", "distance_mean_cm",
-        of(&WandBinRow::bin, in_cm([](const Bin& bin) { return bin.mean_m(bin.distance_sum_m); }))},
-       {"3-D: mean (cm)", "mean_cm",
-        of(&WandBinRow::bin, in_cm([](const Bin& bin) { return bin.mean_m(bin.sum_m); }))}});
+        of(&Bin::of_distance, in_cm(&E::mean_m, &E::mean_low_m, &E::mean_high_m))},
+       {"3-D: mean (cm)", "mean_cm", of(&Bin::of_place, in_cm(&E::mean_m))}});
   add_notes(table, "calibration_bins");
   return table;
 }
 
-std::string paper_distortion_text(const PrintedCalibration& paper) {
-  std::string claim;
-  for (const auto& range : paper.worse_columns)
-    claim += fmt::format("{}{:g} to {:g}", claim.empty() ? "columns " : " and ", range[0], range[1]);
-  return fmt::format("{}: \"{}\" than the middle ({:g} m, {} frames)", claim, paper.worse, paper.wall_m,
-                     paper.wall_frames);
+Table poses_table(const CalibrationSummary& s) {
+  using R = PoseDifference;
+  std::vector<R> rows;
+  for (const WandRecording& recording : s.wands)
+    rows.insert(rows.end(), recording.poses.begin(), recording.poses.end());
+  Table table = table_of<R>(
+      "poses",
+      fmt::format("Sensors' poses by the wand, less those of the campaign's calibration, {} ({})",
+                  source_text(s.simulated), s.campaign),
+      rows,
+      {{"method", "method", as_text(&R::method)},
+       {"sensor", "sensor", as_text(&R::sensor)},
+       {"position (cm)", "position_cm", in_cm(&R::position_m)},
+       {"stated sigma, an axis (cm)", "position_sigma_cm", in_cm(&R::position_sigma_m)},
+       {"rotation (degrees)", "rotation_deg", in_degrees(&R::rotation_rad)},
+       {"stated sigma, an axis (degrees)", "rotation_sigma_deg", in_degrees(&R::rotation_sigma_rad)},
+       {"without a pose", "problem", as_text(&R::problem)}});
+  add_notes(table, "calibration_poses");
+  return table;
 }
 
-// Mean and largest of what is a number.
-struct MeanAndMax {
-  double mean = kNoNumber, max = kNoNumber;
-};
-MeanAndMax mean_and_max(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return {};
-  double sum = 0.0;
-  for (double v : values) sum += v;
-  return {sum / static_cast<double>(values.size()), *std::ranges::max_element(values)};
-}
-
-double valid_share(const DistortionCurve& curve) {
-  std::uint64_t valid = 0;
-  for (std::uint64_t n : curve.valid) valid += n;
-  return share_of(valid, curve.frames * curve.valid.size());
-}
-
-Table calibration_distortion_table(const CalibrationSummary& s) {
-  using R = DistortionCurve;
+Table walls_table(const CalibrationSummary& s) {
+  using R = WallRow;
   using M = ColumnMeans;
-  const auto depth = [](const R& r) { return column_means(r.depth_error_m); };
-  const auto residual = [](const R& r) { return column_means(r.depth_residual_m); };
-  const auto printed = [](const R& r) { return mean_and_max(r.printed_error_m); };
-  const auto lens = [](const R& r) { return mean_and_max(r.lens_error_m); };
+  const auto residual = [](const R& r) { return column_means(r.residual_m); };
+  const auto printed = [](const R& r) { return column_means(r.printed_error_m); };
+  const auto max_of = [](const R& r) {
+    double max_m = kNotMeasured;
+    for (const double error_m : r.printed_error_m) max_m = std::fmax(max_m, error_m);
+    return max_m;
+  };
   Table table = table_of<R>(
       "distortion",
-      s.distortion.empty() ? "A flat wall, simulated: not measured"
-                           : fmt::format("A flat wall at {:g} m, simulated: mean absolute errors in the "
-                                         "middle row, {} frames a unit, seed {}",
-                                         s.distortion.front().wall_m, s.distortion.front().frames, s.seed),
-      s.distortion,
-      {{"unit", "unit", as_text([](const R& r) { return fmt::format("unit {}", r.unit); })},
-       {"offset (mm)", "unit_offset_mm", in_mm(&R::unit_offset_m)},
-       {"depth, 0-149 (mm)", "depth_left_mm", of(depth, in_mm(&M::left))},
-       {"150-350 (mm)", "depth_middle_mm", of(depth, in_mm(&M::middle))},
-       {"351-511 (mm)", "depth_right_mm", of(depth, in_mm(&M::right))},
-       {"edge/middle", "depth_edge_to_middle", of(depth, as_number(2, &M::edge_to_middle))},
-       {"less offset, 0-149 (mm)", "residual_left_mm", of(residual, in_mm(&M::left))},
+      fmt::format("A flat wall, {}: mean absolute errors in the middle row, and noise of the depth ({})",
+                  source_text(s.simulated), s.campaign),
+      s.walls,
+      {{"recording", "recording", as_text(&R::recording)},
+       {"sensor", "sensor", as_text(&R::sensor)},
+       {"frames", "frames", as_count(&R::frames)},
+       {"distance (m)", "distance_m", as_number(3, &R::distance_m)},
+       {"less stated (mm)", "less_stated_mm", in_mm([](const R& r) { return r.distance_m - r.stated_m; })},
+       {"tilt (degrees)", "tilt_deg", in_degrees(&R::tilt_rad)},
+       {"noise (mm)", "noise_mm", in_mm(&R::noise_m)},
+       {"from the plane, 0-149 (mm)", "residual_left_mm", of(residual, in_mm(&M::left))},
        {"150-350 (mm)", "residual_middle_mm", of(residual, in_mm(&M::middle))},
        {"351-511 (mm)", "residual_right_mm", of(residual, in_mm(&M::right))},
        {"edge/middle", "residual_edge_to_middle", of(residual, as_number(2, &M::edge_to_middle))},
-       {"eq. 4 sideways (mm)", "printed_mean_mm", of(printed, in_mm(&MeanAndMax::mean))},
-       {"max (mm)", "printed_max_mm", of(printed, in_mm(&MeanAndMax::max))},
-       {"lens sideways (mm)", "lens_mean_mm", of(lens, in_mm(&MeanAndMax::mean))},
-       {"valid (%)", "valid_percent", in_percent(valid_share)},
+       {"eq. 4 sideways, edge (mm)", "printed_edge_mm", of(printed, in_mm(&M::edge))},
+       {"middle (mm)", "printed_middle_mm", of(printed, in_mm(&M::middle))},
+       {"max (mm)", "printed_max_mm", in_mm(max_of)},
        {"stated", "stated", as_text([](const R&) { return ""; })}});
+  std::string claim;
+  for (const auto& range : paper_calibration().worse_columns)
+    claim += fmt::format("{}{:g} to {:g}", claim.empty() ? "columns " : " and ", range[0], range[1]);
   table.rows.insert(
       table.rows.begin(),
-      row_by_key(table, {{"unit", TableValue::of("the paper")},
-                         {"stated", TableValue::of(paper_distortion_text(printed_calibration()))}}));
+      row_by_key(table, {{"recording", TableValue::of("the paper")},
+                         {"frames", TableValue::of(paper_calibration().wall_frames, 0)},
+                         {"distance_m", TableValue::of(paper_calibration().wall_m, 3)},
+                         {"stated", TableValue::of(fmt::format("{}: \"{}\" than the middle", claim,
+                                                               paper_calibration().worse))}}));
   add_notes(table, "calibration_distortion");
   return table;
 }
 
-Table calibration_rigs_table(const CalibrationSummary& s) {
-  using R = RigRow;
-  using E = ErrorSpread;
-  Table table = table_of<R>(
-      "rigs",
-      fmt::format("Poses of the sensors of whole rigs, simulated: {} wand positions a run, seed {}",
-                  s.positions, s.seed),
-      s.rigs,
-      {{"method", "method", as_text(&R::method)},
-       {"runs", "runs", as_count(&R::runs)},
-       {"sensors", "sensors", of(&R::position, as_count(&E::asked))},
-       {"without a pose", "sensors_without_pose",
-        of(&R::position, as_count([](const E& e) { return e.asked - e.answered; }))},
-       {"position error (cm)", "position_mean_cm",
-        of(&R::position, in_cm(&E::mean_m, &E::mean_low_m, &E::mean_high_m))},
-       {"p95 (cm)", "position_p95_cm", of(&R::position, in_cm(&E::p95_m))},
-       {"max (cm)", "position_max_cm", of(&R::position, in_cm(&E::max_m))},
-       {"turned by (degrees)", "rotation_mean_deg", in_degrees(&R::rotation_mean_rad)},
-       {"max (degrees)", "rotation_max_deg", in_degrees(&R::rotation_max_rad)},
-       {"within limits (%)", "within_limits_percent", in_percent(&R::within_limits_share)},
-       {"truth in interval (%)", "coverage_percent",
-        in_percent(&R::coverage_share, &R::coverage_low, &R::coverage_high)},
-       {"error/sigma, position", "position_z_rms", as_number(2, &R::position_z_rms)},
-       {"rotation", "rotation_z_rms", as_number(2, &R::rotation_z_rms)},
-       {"Mahalanobis squared", "mahalanobis2_mean", as_number(1, &R::mahalanobis2_mean)},
-       {"reduced chi squared", "reduced_chi2_mean", as_number(2, &R::reduced_chi2_mean)}});
-  add_notes(table, "calibration_rigs");
-  return table;
+// "2.41 cm, 38 of 40 answered", inside the recommended range.
+std::string inside_text(const WandRow& row) {
+  const ErrorSpread inside = spread_in(row, is_inside, &WandSample::distance_error_m);
+  return fmt::format("{}, {} of {} answered", mean_text(inside), inside.answered, inside.asked);
 }
 
-// E4 and E5.
-std::string pose_effect(const CalibrationSummary& s) {
-  const RigRow* printed = rig_row(s, "two positions, eq. 6 and 7 as printed");
-  const RigRow* corrected = rig_row(s, "two positions, corrected");
-  if (!printed || !corrected) return {};
-  return fmt::format("E4 and E5 together: sensors off by {} ({} of {} without a pose) against {} corrected",
-                     mean_text(printed->position), printed->position.asked - printed->position.answered,
-                     printed->position.asked, mean_text(corrected->position));
+// Effects of the errors in equations 1 to 5, each in the first recording, alone against all corrected.
+void add_errata(const CalibrationSummary& s, StoredTables& shown) {
+  constexpr std::array<std::array<const char*, 2>, 4> kErrata{{{"E17", "corrected, but eq. 1 as printed"},
+                                                               {"E1", "corrected, but E1 as printed"},
+                                                               {"E2", "corrected, but E2 as printed"},
+                                                               {"E3", "corrected, but E3 as printed"}}};
+  if (!s.wands.empty())
+    for (const auto& [id, method] : kErrata)
+      shown.errata.emplace(
+          id, fmt::format("error of the distance inside the recommended range, {}: {} (corrected: {})",
+                          s.wands.front().name, inside_text({&s.wands.front(), wand_method(method)}),
+                          inside_text({&s.wands.front(), wand_method("corrected")})));
+  const auto mean_of = [&](const char* method) {
+    std::vector<ClusteredError> errors;
+    for (const WandRecording& recording : s.wands)
+      for (const PoseDifference& pose : recording.poses)
+        if (pose.method == method) errors.push_back({errors.size(), pose.position_m});
+    return spread_of(errors);
+  };
+  const ErrorSpread printed = mean_of("two positions as printed"),
+                    corrected = mean_of("two positions, corrected");
+  if (printed.asked + corrected.asked == 0) return;
+  for (const char* id : {"E4", "E5", "E19"})
+    shown.errata.emplace(id, fmt::format("E4 and E5 together: sensors off by {} against {} corrected",
+                                         mean_text(printed), mean_text(corrected)));
+}
+
+std::vector<std::string> sentences_of(const CalibrationSummary& s) {
+  std::vector<std::string> sentences{fmt::format(
+      "The paper states, of real sensors and a laser meter: {} samples; recommended are {:g} to {:g} m and "
+      "below {:g} degrees; {} samples inside give {:g} +- {:g} cm; nearer than {:g} m only {:g} % of "
+      "calibrations are valid.",
+      paper_calibration().samples, paper_calibration().recommended_m[0], paper_calibration().recommended_m[1],
+      paper_calibration().recommended_below_deg, paper_calibration().recommended_samples,
+      paper_calibration().recommended_mean_cm, paper_calibration().recommended_spread_cm,
+      paper_calibration().near_m, paper_calibration().near_valid_percent)};
+  for (const WandRecording& recording : s.wands)
+    sentences.push_back(
+        fmt::format("{}, {} ({}), error of the distance inside the recommended range: ours {}; the paper's "
+                    "way as printed {}.",
+                    recording.name, source_text(recording.simulated), truth_text(recording),
+                    inside_text({&recording, wand_method("ours")}),
+                    inside_text({&recording, wand_method("as printed")})));
+  if (s.simulated && !s.wands.empty())
+    sentences.push_back(
+        "Every simulated sensor adds a constant of its own to all depths, which a method that looks through "
+        "one "
+        "sensor cannot know, and it is in these errors; what the paper's sensors and its laser meter added "
+        "is not "
+        "known.");
+  std::vector<double> ratios;
+  for (const WallRow& row : s.walls)
+    if (const double ratio = column_means(row.residual_m).edge_to_middle(); std::isfinite(ratio))
+      ratios.push_back(ratio);
+  if (!ratios.empty())
+    sentences.push_back(
+        fmt::format("The paper finds a flat wall's error at the left and right of the image \"{}\" than in "
+                    "the middle; here the "
+                    "depth lies {:.2f} to {:.2f} times as far from the fitted plane there.",
+                    paper_calibration().worse, std::ranges::min(ratios), std::ranges::max(ratios)));
+  return sentences;
 }
 
 }  // namespace
 
 StoredTables calibration_tables(const CalibrationSummary& s) {
   StoredTables shown;
-  shown.title = s.study;
-  shown.asked = "How exactly is the wand found, and how exactly are the sensors of a rig placed?";
-  shown.about = fmt::format(
-      "Calibration, **simulated** (seed {}): every number here is one of simulated depth images and sensors, "
-      "except those that are called the paper's.",
-      s.seed);
-  shown.sentences = calibration_sentences(s);
-  for (const WandErratum& e : wand_errata(s)) shown.errata.emplace(e.id, e.effect);  // the first of each
-  for (const char* id : {"E4", "E5", "E19"}) shown.errata.emplace(id, pose_effect(s));
-  std::vector<Table>& tables = shown.tables;
-  if (!s.wand.empty()) {
-    tables.push_back(calibration_wand_table(s));
-    tables.back().printed = "calibration";
+  shown.title = s.study == s.campaign ? s.study : s.study + " on " + s.campaign;
+  shown.asked = "How exactly is the wand found, and how flat is a flat wall?";
+  shown.about = fmt::format("Calibration by {} recording{} of a ball and {} wall{}, {}.", s.wands.size(),
+                            s.wands.size() == 1 ? "" : "s", s.walls.size(), s.walls.size() == 1 ? "" : "s",
+                            s.simulated ? "**simulated**" : "recorded");
+  shown.sentences = sentences_of(s);
+  for (const std::string& text : s.failed) shown.warnings.push_back("Left out: " + text);
+  for (const WandRecording& recording : s.wands)
+    for (const std::string& note : recording.notes) shown.warnings.push_back(recording.name + ": " + note);
+  add_errata(s, shown);
+  if (!s.wands.empty()) {
+    shown.tables = {wand_table(s), bins_table(s)};
+    shown.tables.front().printed = "calibration";
   }
-  if (!s.wand_samples.empty()) tables.push_back(calibration_bins_table(s));
-  if (!s.distortion.empty()) tables.push_back(calibration_distortion_table(s));
-  if (!s.rigs.empty()) tables.push_back(calibration_rigs_table(s));
-  for (std::size_t t = 0; t < 2 && t < tables.size(); ++t) tables[t].shown = Table::Shown::first;
+  if (!s.walls.empty()) shown.tables.push_back(walls_table(s));
+  for (const WandRecording& recording : s.wands)
+    if (!recording.poses.empty()) {
+      shown.tables.push_back(poses_table(s));
+      break;
+    }
+  for (std::size_t t = 0; t < 2 && t < shown.tables.size(); ++t) shown.tables[t].shown = Table::Shown::first;
   return shown;
 }
 

@@ -8,7 +8,6 @@ namespace {
 
 using Errors = ErrorMeasures;
 using Clocks = ClocksSummary;
-using Calibration = CalibrationSummary;
 
 constexpr const char* kLastDigit3 = "the last printed digit of Table III, 0.1 of 8.7 cm";
 constexpr const char* kLastDigit2 = "the last printed digit of Table II, 0.1 of 13.3 cm";
@@ -148,20 +147,20 @@ const std::array kClaims{
                "A wand position inside the recommended range is known to 0.73 cm", "0.73 +- 0.85 cm of 50",
                ClaimKind::tested, "calibration", within(0.24),
                "the paper's own uncertainty: 1.96 times 0.85 cm by the root of 50",
-               +[](const Calibration& s) { return wand_error(s, kRecommendedZone, 0.0073); }},
+               +[](const CalibrationSummary& s) { return wand_error(s, kRecommendedZone, 0.0073); }},
     PaperClaim{"wand_nearer", "Calibration", "The wand's error rises below 0.8 m", "a figure, no number",
                ClaimKind::tested, "calibration", more_than(10), kBig,
-               +[](const Calibration& s) {
+               +[](const CalibrationSummary& s) {
                  return wand_error(s, {{0.5, 0.8}, {0, 26}}, kRecommendedZone);
                }},
     PaperClaim{"wand_farther", "Calibration", "The wand's error rises beyond 3 m", "a figure, no number",
                ClaimKind::tested, "calibration", more_than(10), kBig,
-               +[](const Calibration& s) {
+               +[](const CalibrationSummary& s) {
                  return wand_error(s, {{3.0, 8.0}, {0, 26}}, kRecommendedZone);
                }},
     PaperClaim{"wand_aside", "Calibration", "The wand's error rises above 26 degrees", "a figure, no number",
                ClaimKind::tested, "calibration", more_than(10), kBig,
-               +[](const Calibration& s) {
+               +[](const CalibrationSummary& s) {
                  return wand_error(s, {{0.8, 3.0}, {26, 90}}, kRecommendedZone);
                }},
     PaperClaim{"image_edges",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/claims/study_measures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -8,37 +9,38 @@
 
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
+#include "pipeline/calibration_study/wand_errors.h"
 
 namespace trilat {
 namespace {
 
 constexpr const char* kRuns = "recordings of a sensor";
-constexpr const char* kUnits = "sensor units";
+constexpr const char* kUnits = "sensors";
 
-// By unit, the sums of the errors of the wand's distance within a zone: what a laser meter can tell.
-WeightedRatio errors_in(const CalibrationSummary& s, std::size_t row, const WandZone& zone) {
-  WeightedRatio mean{std::vector<double>(s.units, 0.0), std::vector<double>(s.units, 0.0), 1.0};
+// The first recording of stated distances: what a laser meter can tell.
+const WandRecording* stated_distances(const CalibrationSummary& s) {
+  const auto found = std::ranges::find(s.wands, WandTruth::stated, &WandRecording::truth);
+  return found == s.wands.end() ? nullptr : &*found;
+}
+
+// By sensor, the sums of the errors of the ball's distance within a zone.
+WeightedRatio errors_in(const WandRecording& recording, const WandZone& zone) {
+  const std::size_t method = wand_method("corrected by the mid-range"), sensors = recording.sensors.size();
+  WeightedRatio mean{std::vector<double>(sensors, 0.0), std::vector<double>(sensors, 0.0), 1.0};
   const auto is_within = [](double value, const std::array<double, 2>& bounds) {
     return value >= bounds[0] && value < bounds[1];
   };
-  for (const WandSample& sample : s.wand_samples) {
-    if (sample.row != row || sample.unit >= s.units || !std::isfinite(sample.distance_error_m)) continue;
+  for (const WandSample& sample : recording.samples) {
+    if (sample.method != method || !std::isfinite(sample.distance_error_m)) continue;
     if (!is_within(sample.distance_m, zone.distance_m)) continue;
     if (!is_within(sample.angle_rad * kDegreesPerRad, zone.angle_deg)) continue;
-    mean.numerator[sample.unit] += sample.distance_error_m;
-    mean.denominator[sample.unit] += 1.0;
+    mean.numerator.at(sample.sensor) += sample.distance_error_m;
+    mean.denominator.at(sample.sensor) += 1.0;
   }
   return mean;
 }
 
-// The number of the paper's way to find the wand among the rows.
-std::optional<std::size_t> wand_row(const CalibrationSummary& s) {
-  for (std::size_t row = 0; row < s.wand.size(); ++row)
-    if (s.wand[row].method == "corrected by the mid-range" && s.wand[row].scene == "far wall") return row;
-  return std::nullopt;
-}
-
-Measurements lacking_wand() { return lacking("a calibration study with the wand before a far wall"); }
+Measurements lacking_wand() { return lacking("a calibration study with a ball at stated distances"); }
 
 // Outcome of one reading of Table I.
 struct Reading {
@@ -122,9 +124,9 @@ Measurements queue_share(const ClocksSummary& clocks, const std::string& method,
 }
 
 Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, double less_m) {
-  const std::optional<std::size_t> row = wand_row(s);
-  if (!row) return lacking_wand();
-  ContrastEstimate error_m = solve_contrast({{errors_in(s, *row, zone)}, {}});
+  const WandRecording* recording = stated_distances(s);
+  if (!recording) return lacking_wand();
+  ContrastEstimate error_m = solve_contrast({{errors_in(*recording, zone)}, {}});
   error_m.value -= less_m;
   return {{.what = fmt::format("distance of the wand, less {:g} cm", kCentimetresPerMetre * less_m),
            .unit = "cm",
@@ -133,10 +135,10 @@ Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, doubl
 }
 
 Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, const WandZone& other) {
-  const std::optional<std::size_t> row = wand_row(s);
-  if (!row) return lacking_wand();
-  const WeightedRatio base = errors_in(s, *row, other);
-  Contrast contrast{{errors_in(s, *row, zone), base}, {base}};
+  const WandRecording* recording = stated_distances(s);
+  if (!recording) return lacking_wand();
+  const WeightedRatio base = errors_in(*recording, other);
+  Contrast contrast{{errors_in(*recording, zone), base}, {base}};
   contrast.value[1].weight = -1.0;
   return {{.what = "distance of the wand", .unit = "%", .number = solve_contrast(contrast), .over = kUnits}};
 }

@@ -28,8 +28,8 @@ struct WandZone {
 };
 inline constexpr WandZone kRecommendedZone{{0.8, 3.0}, {0.0, 26.0}};
 
-// The mean error of the wand's distance within a zone, corrected by the mid-range of the depths, the wall far
-// away; less a printed number.
+// The mean error of the ball's distance within a zone, corrected by the mid-range of the depths, in the first
+// recording of stated distances; less a printed number.
 Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, double less_m);
 // The same in one zone against another: (zone - other) / other.
 Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, const WandZone& other);

@@ -74,7 +74,8 @@ void number_equal_ids(std::vector<FoundTake>& takes, std::set<std::string> taken
 struct Found {
   std::vector<FoundTake> takes;
   std::vector<std::string> notes;
-  JointMapping mapping;  // empty where one is there already, or no take has mocap
+  Campaign calibration = {};  // its wand, stated distances and walls
+  JointMapping mapping;       // empty where one is there already, or no take has mocap
 };
 
 // The nearest one, from the recording's folder up to the campaign's.
@@ -177,12 +178,25 @@ Found look_around(const InitArguments& arguments, const std::vector<Take>& known
   }
   for (const fs::path& file : files_below(arguments.folder, {".h5"})) try {
       const SessionReader reader(file);
+      if (!known_sessions.contains(fs::weakly_canonical(file)) &&
+          add_calibration_recording(file, found.calibration)) {
+        found.notes.push_back(fmt::format(
+            "{}: a recording to calibrate by, and not a take; rename it if it is one", file.string()));
+        continue;
+      }
       takes.emplace(file, take_of(reader, file, arguments));
       sessions.push_back(file);
       if (!known_sessions.contains(fs::weakly_canonical(file))) new_sessions.push_back(file);
     } catch (const InputError& error) {
       found.notes.push_back(fmt::format("left out, no recording: {}", error.what()));
     }
+  const Campaign& other = found.calibration;
+  if (sessions.empty() && (other.wand || !other.stated_distances.empty() || !other.walls.empty()))
+    throw InputError(
+        arguments.folder.string(),
+        fmt::format("holds recordings to calibrate by, and no take; `trilat run calibration --campaign {} "
+                    "-o RESULTS` evaluates them as they are",
+                    shell_word(arguments.folder.string())));
   if (sessions.empty())
     throw InputError(arguments.folder.string(),
                      "holds no recording (session.h5); `trilat record` makes one, and python3 -m "
@@ -370,6 +384,11 @@ int init(const InitArguments& given) {
   } catch (...) {
     if (!found.mapping.joints.empty()) fs::remove(mapping);  // nothing is left of what did not work out
     throw;
+  }
+  if (!campaign.wand && campaign.stated_distances.empty() && campaign.walls.empty()) {
+    campaign.wand = found.calibration.wand;
+    campaign.stated_distances = found.calibration.stated_distances;
+    campaign.walls = found.calibration.walls;
   }
   campaign.simulated |= std::ranges::any_of(found.takes, &FoundTake::simulated);
   for (const FoundTake& f : found.takes) campaign.takes.push_back(f.take);

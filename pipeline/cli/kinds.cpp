@@ -2,6 +2,7 @@
 #include "pipeline/cli/kinds.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "datasets/results/results_file.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/cli/print_stored.h"
 #include "pipeline/clocks/clocks_study.h"
 #include "pipeline/sweep/sweep_study.h"
@@ -29,19 +31,6 @@ OpenedStudy opened(Study study, const Json& plan, const std::string& text) {
               }};
 }
 
-OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
-  const CalibrationSpec spec = parse_calibration_spec(study, arguments.study.string());
-  const std::uint64_t images = 2 * spec.units * (spec.samples + spec.near_samples) * spec.frames +
-                               spec.distortion_units * spec.distortion_frames +
-                               spec.runs * spec.positions * spec.position_frames * spec.rig.heights_m.size();
-  return opened(
-      calibration_study(spec), {{"study", resolved_json(spec)}, {"images", images}},
-      fmt::format("study {} (simulated): {} samples of each of {} units in two scenes, a wall in {} frames "
-                  "of {} units, {} rigs with {} wand positions; {} depth images to render",
-                  spec.name, spec.samples + spec.near_samples, spec.units, spec.distortion_frames,
-                  spec.distortion_units, spec.runs, spec.positions, images));
-}
-
 // A campaign, or a folder of recordings without campaign.json, or one session.
 Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) {
   const fs::path folder = arguments.campaign.empty() ? of_study : arguments.campaign;
@@ -53,29 +42,51 @@ Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) 
   campaign.name = fs::absolute(folder).lexically_normal().stem().string();
   campaign.folder = is_session ? folder.parent_path() : folder;
   for (const fs::path& file : is_session ? std::vector{folder} : files_below(folder, {".h5"})) {
+    if (add_calibration_recording(file, campaign)) continue;
     Take& take = campaign.takes.emplace_back();
     take.id = is_session ? file.filename().string() : file.lexically_relative(folder).generic_string();
     take.session = file;
   }
-  if (campaign.takes.empty())
+  if (campaign.takes.empty() && !campaign.wand && campaign.stated_distances.empty() && campaign.walls.empty())
     throw InputError(folder.string(),
                      "holds no campaign.json and no recording (session.h5); `trilat record` makes one");
   return campaign;
 }
 
-OpenedStudy open_clocks(const RunArguments& arguments, const Json& study) {
-  const ClocksSpec spec = parse_clocks_spec(study, arguments.study.string(), arguments.study.parent_path());
-  const Campaign campaign = recordings_of(spec.campaign, arguments);
+// A study of the campaign's recordings.
+template <class Spec>
+OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, const Campaign& campaign,
+                            Study (*make)(const Spec&, const Campaign&, const std::shared_ptr<HashCache>&)) {
   const auto hashes = std::make_shared<HashCache>();
   hashes->load(arguments.output);
-  std::uint64_t sessions = campaign.wand.has_value();
-  for (const Take& take : campaign.takes) sessions += !take.session.empty();
+  Study study = make(spec, campaign, hashes);
+  const std::size_t items = study.items.size();
   OpenedStudy opened_study = opened(
-      clocks_study(spec, campaign, hashes),
-      {{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"sessions", sessions}},
-      fmt::format("study {} on campaign {}: clocks of {} sessions", spec.name, campaign.name, sessions));
+      std::move(study), {{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"items", items}},
+      fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name, items,
+                  items == 1 ? "" : "s"));
   opened_study.inputs = inputs_of(campaign);
   opened_study.campaign = campaign;
+  return opened_study;
+}
+
+OpenedStudy open_clocks(const RunArguments& arguments, const Json& study) {
+  const ClocksSpec spec = parse_clocks_spec(study, arguments.study.string(), arguments.study.parent_path());
+  return open_recordings(arguments, spec, recordings_of(spec.campaign, arguments), clocks_study);
+}
+
+// A session that is named alone shows a wand where its name says nothing else.
+OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
+  const CalibrationSpec spec =
+      parse_calibration_spec(study, arguments.study.string(), arguments.study.parent_path());
+  Campaign campaign = recordings_of(spec.campaign, arguments);
+  if (arguments.campaign.extension() == ".h5" && !campaign.takes.empty())
+    campaign.wand = {.session = campaign.takes.front().session};
+  OpenedStudy opened_study = open_recordings(arguments, spec, campaign, calibration_study);
+  opened_study.print_failed = [](const ItemTally& tally) {
+    for (const auto& [id, outcome] : tally.failed)
+      fmt::print(stderr, "failed: {}: {}\n", id, outcome.at("problem").get<std::string>());
+  };
   return opened_study;
 }
 
@@ -91,7 +102,33 @@ int print_tables(const std::filesystem::path& results, Json document, const Show
   return kDone;
 }
 
+// Names the recordings that could not be evaluated, on stderr.
+int print_calibration(const fs::path& results, Json document, const Shown& shown) {
+  const auto failed = read_results<CalibrationSummary>(results).failed;
+  for (const std::string& text : failed) fmt::print(stderr, "failed: {}\n", text);
+  print_tables(results, std::move(document), shown);
+  return failed.empty() ? kDone : kItemsFailed;
+}
+
 }  // namespace
+
+bool add_calibration_recording(const fs::path& session, Campaign& campaign) {
+  const fs::path folder = fs::absolute(session).lexically_normal().parent_path();
+  const std::string name = session.stem() == "session" ? folder.filename().string() : session.stem().string();
+  const auto is_called = [&](const std::string& word) {
+    return name.starts_with(word) &&
+           (name.size() == word.size() || !std::isalpha(static_cast<unsigned char>(name[word.size()])));
+  };
+  if (fs::exists(folder / "places.csv"))
+    campaign.stated_distances.push_back({session, folder / "places.csv"});
+  else if (is_called("wall"))
+    campaign.walls.push_back({session});
+  else if (is_called("wand") && !campaign.wand)
+    campaign.wand = {.session = session};
+  else
+    return false;
+  return true;
+}
 
 std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::string>& extensions) {
   std::vector<fs::path> files;
@@ -112,8 +149,7 @@ const std::vector<Kind>& kinds() {
       {StudyKind::threshold_sweep, "items",
        "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_sweep,
        sweep_schema},
-      {StudyKind::calibration, "items", "a calibration study renders its own images", open_calibration,
-       print_tables, calibration_study_schema},
+      {StudyKind::calibration, "items", "", open_calibration, print_calibration, calibration_study_schema},
       {StudyKind::clocks, "items", "", open_clocks, print_tables, clocks_schema}};
   return kinds;
 }

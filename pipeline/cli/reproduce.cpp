@@ -52,7 +52,8 @@ constexpr std::array kParts{
          "campaign_stages"},
     Part{"Table II: with and without occlusion compensation", "table2", "table2", "campaign"},
     Part{"Table I: threshold against error and time", "table1", "table1"},
-    Part{"calibration: the wand, a flat wall, whole rigs", "calibration", "calibration"},
+    Part{"calibration: a ball at stated distances, the wand, a flat wall", "calibration", "calibration",
+         "campaign_calibration"},
     Part{"Table IV: clock errors, and frames in time", "clocks", "clocks", "campaign_clocks"},
     Part{"two to eight sensors at different heights", "sensors_different_heights", "sensors",
          "campaign_different_heights", "sensors_different_heights"},
@@ -65,6 +66,7 @@ struct Simulated {
 constexpr std::array kCampaigns{Simulated{"campaign", "paper_campaign"},
                                 Simulated{"campaign_stages", "stages_campaign"},
                                 Simulated{"campaign_clocks", "clocks_campaign"},
+                                Simulated{"campaign_calibration", "calibration_campaign"},
                                 Simulated{"campaign_different_heights", "sensors_different_heights"},
                                 Simulated{"campaign_equal_heights", "sensors_equal_heights"}};
 

@@ -59,7 +59,7 @@ Json simulation_schema() {
   examples[0].update(
       Json::parse(R"({"stature_m": {}, "activities": [{"name": "walking", "marker_joints": ["head"]}],
       "rig": {"heights_m": [1], "centre_m": [0, 1, 0]}, "sensor": {},
-      "mocap": {}, "room": {}, "depth": {"takes": true, "axial": {}}, "wand": {}})"));
+      "mocap": {}, "room": {}, "depth": {"takes": true, "axial": {}}, "wand": {}, "bench": {"distances_m": [1, 2], "walls_m": [2]}})"));
   examples[1].update(Json::parse(R"({"recorded": {"mocap": "take.csv", "mapping": "mapping.json"}})"));
   add_trackers(examples);
   return schema_of(examples, [](const Json& json) { parse_simulation(json, "example", {}); });
@@ -67,7 +67,9 @@ Json simulation_schema() {
 
 Json campaign_schema() {
   return schema_of({Json::parse(R"({"format": "trilat.campaign", "version": 1, "name": "example",
-      "wand": {"session": "w.h5", "mocap": "w.csv", "asset": "wand", "mocap_start_host_ns": 0}, "takes": [
+      "wand": {"session": "w.h5", "mocap": "w.csv", "asset": "wand", "mocap_start_host_ns": 0},
+      "stated_distances": [{"session": "b.h5", "places": "places.csv"}],
+      "walls": [{"session": "f.h5", "distance_m": 2}], "takes": [
       {"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json", "mocap": "m.csv",
        "mapping": "mapping.json", "mocap_start_host_ns": 0,
        "joints": [{"method": "m", "file": "m.trc", "mapping": {"head": ["Head"]}}]}]})"),
@@ -147,8 +149,8 @@ Json sweep_schema() {
 }
 
 Json calibration_study_schema() {
-  return schema_of({study("calibration", R"({"rig": {"heights_m": [1, 2]}, "distances_m": [1, 2]})")},
-                   [](const Json& json) { parse_calibration_spec(json, "example"); });
+  return schema_of({study("calibration", "{}")},
+                   [](const Json& json) { parse_calibration_spec(json, "example", {}); });
 }
 
 Json clocks_schema() {

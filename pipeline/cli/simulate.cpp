@@ -14,7 +14,7 @@
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
-#include "pipeline/simulate/simulate_wand.h"
+#include "pipeline/simulate/calibration_recordings.h"
 
 namespace trilat {
 namespace {

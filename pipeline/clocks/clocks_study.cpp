@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/settings.h"
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/figure.h"
 #include "evaluators/metrics/quantiles.h"
@@ -24,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "trilat.study";
 constexpr const char* kItem = "clocks/all";
 constexpr double kSigmas = 4.0;
 // Those that say when a frame was sent; the sensor's ticks say when it was exposed.
@@ -51,7 +49,16 @@ std::vector<Recording> recordings_of(const Campaign& campaign) {
   std::vector<Recording> recordings;
   for (const Take& take : campaign.takes)
     if (!take.session.empty()) recordings.push_back({take.id, take.session});
-  if (campaign.wand) recordings.push_back({"wand", campaign.wand->session});
+  std::vector<fs::path> others;
+  if (campaign.wand) others.push_back(campaign.wand->session);
+  for (const StatedDistances& stated : campaign.stated_distances) others.push_back(stated.session);
+  for (const FlatWall& wall : campaign.walls) others.push_back(wall.session);
+  for (const fs::path& session : others) {
+    const fs::path inside = campaign.folder.empty() ? session : fs::relative(session, campaign.folder);
+    recordings.push_back(
+        {inside.stem() == "session" ? inside.parent_path().generic_string() : inside.generic_string(),
+         session});
+  }
   if (recordings.empty())
     throw InputError("campaign \"" + campaign.name + '"',
                      "has no take with a session, whose clocks could be looked at");
@@ -230,28 +237,16 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
 }  // namespace
 
 ClocksSpec parse_clocks_spec(const Json& json, const std::string& place, const fs::path& folder) {
-  JsonObject object(json, place, "");
   ClocksSpec spec;
-  object.format(kFormat);
-  object.choice("kind", {"clocks"});
-  spec.name = object.text("name");
-  if (spec.name.empty()) object.refuse("name", "must not be empty");
-  if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
-    spec.campaign = folder / campaign;
-  Settings settings(object);
-  tell(settings, spec);
-  object.about({{"name", "of the study"},
-                {"campaign", "folder of recordings, relative to this file; `--campaign` goes first"}});
-  object.finish();
+  static_cast<RecordingsStudy&>(spec) = parse_recordings_study(
+      json, place, folder, name_of(StudyKind::clocks), [&](Settings& settings) { tell(settings, spec); });
   return spec;
 }
 
 Json resolved_json(const ClocksSpec& given) {
   ClocksSpec spec = given;
-  Json json{{"format", kFormat}, {"version", 1}, {"kind", "clocks"}, {"name", spec.name}};
-  Settings settings(json);
-  tell(settings, spec);
-  return json;
+  return resolved_recordings_study(spec.name, name_of(StudyKind::clocks),
+                                   [&](Settings& settings) { tell(settings, spec); });
 }
 
 Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
@@ -260,18 +255,9 @@ Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
   std::vector<fs::path> files;
   for (const Recording& recording : recordings) files.push_back(recording.session);
   const Json resolved = resolved_json(spec);
-  const auto inputs_of = [recordings, hashes](const std::function<bool()>& stop_requested) {
-    Json inputs = Json::array();
-    for (const Recording& recording : recordings) {
-      const HashedFile hashed = hashes->hash(recording.session, stop_requested);
-      inputs.push_back({{"take", recording.take},
-                        {"role", "session"},
-                        {"file", recording.session.filename().string()},
-                        {"bytes", hashed.bytes},
-                        {"sha256", hashed.sha256.empty() ? Json() : Json(hashed.sha256)}});
-    }
-    return inputs;
-  };
+  std::vector<RecordingFile> inputs;
+  for (const Recording& recording : recordings)
+    inputs.push_back({recording.take, "session", recording.session});
   const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
   const WatchedFiles watched(files);
   Item item{kItem, 1.0,
@@ -283,7 +269,7 @@ Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
             [=](const Watch& watch) {
               return key_of({{"study", resolved},
                              {"simulated", campaign.simulated},
-                             {"inputs", inputs_of(watch.stop_requested)}});
+                             {"inputs", hashed_inputs(inputs, *hashes, watch.stop_requested)}});
             }};
   return {.kind = name_of(StudyKind::clocks),
           .settings = resolved,
@@ -305,7 +291,7 @@ Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
               [=] {
                 return manifest_of(resolved, {{"campaign", campaign.name},
                                               {"simulated", campaign.simulated},
-                                              {"inputs", inputs_of({})}});
+                                              {"inputs", hashed_inputs(inputs, *hashes, {})}});
               },
           .hashes = hashes};
 }

@@ -6,18 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
 #include "datasets/results/timings.h"
 #include "datasets/take/campaign.h"
+#include "pipeline/study/recordings.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {
 
 // A study of kind "clocks": how well the clocks of the computers of a campaign's recordings were brought
 // together, and which frames came in time.
-struct ClocksSpec {
-  std::string name;
-  std::filesystem::path campaign = {};  // relative to the study's file; may be given on the command line
+struct ClocksSpec : RecordingsStudy {
   // The most by which a frame's time of sending may differ from the server's time for the paper's queue, and
   // the time from exposure within which a frame counts as in time.
   double late_s = 1.0 / 30.0;

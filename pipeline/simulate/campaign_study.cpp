@@ -6,7 +6,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/simulate/simulate_take.h"
-#include "pipeline/simulate/simulate_wand.h"
 
 namespace trilat {
 namespace {
@@ -42,9 +41,8 @@ Take read_take(const std::string& id, const Json& json, const std::string& place
 void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated, const Outcomes& outcomes,
                   const fs::path& folder) {
   Campaign campaign{spec.name, true, {}, folder};
-  if (simulated.wand)
-    campaign.wand = {folder / "wand/session.h5", folder / "wand/mocap.csv", "wand",
-                     wand_mocap_start(spec).ns};
+  for (const CalibrationRecording& recording : simulated.calibration)
+    recording.add_to(folder / recording.folder, campaign);
   for (std::size_t r = 0; r < simulated.recordings(); ++r) {
     const std::string id = simulated.id(r);
     const Outcome& outcome = outcomes.at(item_of(id));

@@ -12,7 +12,6 @@
 #include "datasets/synthetic/perturbed_calibration.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "pipeline/simulate/simulate_wand.h"
 #include "recorders/recorder.h"
 #include "recorders/synthetic_source.h"
 
@@ -127,7 +126,7 @@ SimulatedCampaign simulated_campaign(const SimulationSpec& spec) {
     campaign.takes = generated_takes(spec);
   }
   campaign.rig = {rig_poses(spec.rig, centre_m), spec.rig.centre_m.value_or(centre_m)};
-  campaign.wand = spec.wand.has_value();
+  campaign.calibration = calibration_recordings(spec, campaign.rig.poses, campaign.rig.centre_m);
   return campaign;
 }
 
@@ -136,7 +135,8 @@ std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign
   std::vector<double> costs;
   for (const SimulatedTakePlan& take : campaign.takes)
     costs.push_back(take.duration_s * (spec.depth.takes ? kDepth : 1.0));
-  if (spec.wand) costs.push_back(kDepth * wand_duration_s(*spec.wand));
+  for (const CalibrationRecording& recording : campaign.calibration)
+    costs.push_back(kDepth * recording.duration_s);
   return costs;
 }
 
@@ -145,7 +145,7 @@ std::optional<Take> simulate_recording(const SimulationSpec& spec, const Simulat
                                        const Watch& watch) {
   if (recording < campaign.takes.size())
     return simulate_take(spec, campaign.takes[recording], campaign.rig, folder, watch);
-  simulate_wand(spec, campaign.rig.poses, campaign.rig.centre_m, folder, watch);
+  campaign.calibration[recording - campaign.takes.size()].simulate(folder, watch);
   return std::nullopt;
 }
 

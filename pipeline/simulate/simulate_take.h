@@ -12,7 +12,7 @@
 #include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/take/campaign.h"
-#include "pipeline/simulate/simulate_wand.h"
+#include "pipeline/simulate/calibration_recordings.h"
 
 namespace trilat {
 
@@ -42,14 +42,14 @@ struct SimulatedRig {
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                    const std::filesystem::path& folder, const Watch& watch);
 
-// All that a simulation records: every take, and last the wand when there is one.
+// All that a simulation records: every take, and behind them what it is calibrated by.
 struct SimulatedCampaign {
   SimulatedRig rig;
   std::vector<SimulatedTakePlan> takes;
-  bool wand = false;
-  std::size_t recordings() const { return takes.size() + (wand ? 1 : 0); }
-  std::string id(std::size_t recording) const {
-    return recording < takes.size() ? takes[recording].id : "wand";
+  std::vector<CalibrationRecording> calibration;
+  std::size_t recordings() const { return takes.size() + calibration.size(); }
+  const std::string& id(std::size_t recording) const {
+    return recording < takes.size() ? takes[recording].id : calibration[recording - takes.size()].folder;
   }
 };
 SimulatedCampaign simulated_campaign(const SimulationSpec& spec);
@@ -57,7 +57,7 @@ SimulatedCampaign simulated_campaign(const SimulationSpec& spec);
 // About how long each recording takes, in seconds of a take without depth.
 std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign& campaign);
 
-// Makes one recording in `folder`; the entry of a take, nothing of the wand.
+// Makes one recording in `folder`; the entry of a take, nothing of a calibration recording.
 std::optional<Take> simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& campaign,
                                        std::size_t recording, const std::filesystem::path& folder,
                                        const Watch& watch);

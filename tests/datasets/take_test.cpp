@@ -30,7 +30,9 @@ TEST(CampaignFile, WhatIsWrittenIsReadBackWhereverTheFolderIsMoved) {
   write_campaign(here, {.name = "two takes",
                         .simulated = true,
                         .takes = {take_in(here, "a"), take_in(here, "b")},
-                        .wand = CampaignWand{here / "wand.h5", here / "wand.csv", "ball", 7}});
+                        .wand = CampaignWand{here / "wand.h5", here / "wand.csv", "ball", 7, 0.05},
+                        .stated_distances = {{here / "ball.h5", here / "places.csv", 0.06}},
+                        .walls = {{here / "near.h5", 1.5}, {here / "far.h5"}}});
   std::filesystem::rename(here, folder / "there");
   const Campaign campaign = read_campaign(folder / "there");
   EXPECT_EQ(campaign.name, "two takes");
@@ -47,6 +49,15 @@ TEST(CampaignFile, WhatIsWrittenIsReadBackWhereverTheFolderIsMoved) {
   EXPECT_EQ(campaign.wand->mocap, folder / "there/wand.csv");
   EXPECT_EQ(campaign.wand->asset, "ball");
   EXPECT_EQ(campaign.wand->mocap_start_host_ns, 7);
+  EXPECT_EQ(campaign.wand->ball_radius_m, 0.05);
+  ASSERT_EQ(campaign.stated_distances.size(), 1u);
+  EXPECT_EQ(campaign.stated_distances[0].session, folder / "there/ball.h5");
+  EXPECT_EQ(campaign.stated_distances[0].places, folder / "there/places.csv");
+  EXPECT_EQ(campaign.stated_distances[0].ball_radius_m, 0.06);
+  ASSERT_EQ(campaign.walls.size(), 2u);
+  EXPECT_EQ(campaign.walls[0].distance_m, 1.5);
+  EXPECT_EQ(campaign.walls[1].session, folder / "there/far.h5");
+  EXPECT_EQ(campaign.walls[1].distance_m, std::nullopt);
 }
 
 // A take's paths are relative to the current directory, those in the file to the file.

@@ -7,9 +7,8 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "pipeline/calibration_study/rig_trials.h"
-#include "pipeline/calibration_study/simulated_run.h"
 #include "pipeline/study/machine.h"
+#include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 #include "tests/support/trials.h"
 
@@ -37,13 +36,22 @@ BodyTrackerSpec unbiased_tracker() {
   return tracker;
 }
 
-std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::uint64_t run,
+// Somebody walks for ten seconds; gives the recording.
+std::filesystem::path record_walk(const std::filesystem::path& folder, std::uint64_t seed,
+                                  const BodyTrackerSpec& tracker) {
+  SimulationSpec spec = walking_spec(1, 10.0);
+  spec.seed = seed;
+  spec.body_tracker = tracker;
+  return simulate_into(folder, spec).takes.at(0).session;
+}
+
+std::vector<BodiesError> errors_from_bodies(const std::filesystem::path& folder, std::uint64_t run,
                                             const BodyTrackerSpec& tracker, std::size_t instants) {
-  CalibrationSpec spec;
-  spec.bodies_s = 10.0;
-  const std::vector<RigidTransform> truth = true_rig(spec);
-  write_walk(spec, truth, run, tracker, folder / "walk.h5");
-  const BodyCalibration result = calibrate_bodies(folder / "walk.h5", {.instants = instants});
+  const std::filesystem::path walk = record_walk(folder, 1 + run, tracker);
+  std::vector<RigidTransform> truth;
+  for (const SensorPose& pose : read_calibration(folder / "calibration.json").sensors)
+    truth.push_back(pose.world_from_sensor);
+  const BodyCalibration result = calibrate_bodies(walk, {.instants = instants});
   EXPECT_EQ(result.calibration.sensors.size(), truth.size());
   EXPECT_EQ(result.calibration.method, "bodies");
   const RigidTransform frame_from_world =
@@ -64,7 +72,7 @@ std::vector<BodiesError> errors_from_bodies(const ScratchFolder& folder, std::ui
 
 TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres) {
   const ScratchFolder folder;
-  const auto errors = errors_from_bodies(folder, 0, unbiased_tracker(), 30);
+  const auto errors = errors_from_bodies(folder / "campaign", 0, unbiased_tracker(), 30);
   ASSERT_FALSE(errors.empty());
   for (const BodiesError& error : errors) {
     EXPECT_LT(error.off.tail<3>().norm(), 0.02);
@@ -78,7 +86,8 @@ TEST(CalibrateBodies, TheStatedCovarianceHoldsWhatAllJointsShare) {
   double squares = 0.0, poses = 0.0;
   for (std::uint64_t run = 0; run < runs; ++run) {
     const ScratchFolder folder;
-    for (const BodiesError& error : errors_from_bodies(folder, run, default_body_tracker(), 60)) {
+    for (const BodiesError& error :
+         errors_from_bodies(folder / "campaign", run, default_body_tracker(), 60)) {
       squares += error.off.dot(error.covariance.ldlt().solve(error.off));
       poses += 1.0;
     }
@@ -90,9 +99,7 @@ TEST(CalibrateBodies, TheStatedCovarianceHoldsWhatAllJointsShare) {
 
 TEST(CalibrateBodies, ARecordingThatIsReplacedMeanwhileIsRefused) {
   const ScratchFolder folder;
-  CalibrationSpec spec;
-  spec.bodies_s = 10.0;
-  write_walk(spec, true_rig(spec), 0, unbiased_tracker(), folder / "walk.h5");
+  std::filesystem::rename(record_walk(folder / "campaign", 1, unbiased_tracker()), folder / "walk.h5");
   write_file(folder / "other.h5", "something else");
   const auto replace = [&] {
     std::error_code done;
@@ -109,7 +116,7 @@ TEST(CalibrateBodies, WithTrackerBiasTheStatedIntervalsHold) {
   const ScratchFolder folder;
   int held = 0, asked = 0;
   for (std::uint64_t run = 0; run < 6; ++run)
-    for (const BodiesError& error : errors_from_bodies(folder, run, default_body_tracker(), 8))
+    for (const BodiesError& error : errors_from_bodies(folder / "campaign", run, default_body_tracker(), 8))
       for (int axis = 0; axis < 6; ++axis, ++asked)
         held += std::abs(error.off[axis]) <= 1.96 * std::sqrt(error.covariance(axis, axis));
   EXPECT_EQ(asked, 6 * 3 * 6);

@@ -4,20 +4,21 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <mutex>
-#include <set>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "datasets/results/results_file.h"
-#include "pipeline/calibration_study/calibration_findings.h"
-#include "pipeline/calibration_study/calibration_summary.h"
-#include "pipeline/calibration_study/rig_trials.h"
-#include "pipeline/calibration_study/simulated_run.h"
-#include "pipeline/calibration_study/wand_samples.h"
+#include "datasets/depth/depth_rays.h"
+#include "datasets/results/table.h"
+#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/wall_errors.h"
+#include "pipeline/calibration_study/wand_errors.h"
+#include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/program.h"
+#include "tests/pipeline/wand_sessions.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -25,16 +26,9 @@ namespace {
 
 using testing::AllOf;
 using testing::Each;
-using testing::Field;
 using testing::HasSubstr;
-using testing::IsEmpty;
+using testing::Lt;
 using testing::SizeIs;
-
-CalibrationSpec calibration_spec_of(const std::string& members) {
-  const std::string text =
-      R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "test")" + members + "}";
-  return parse_calibration_spec(parse_json(text, "study.json"), "study.json");
-}
 
 // Columns without a depth count for nothing.
 TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
@@ -52,7 +46,7 @@ TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
 TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
   std::vector<ClusteredError> errors;
   for (std::size_t i : {4u, 0u, 2u, 1u, 3u}) errors.push_back({0, 1e-3 * static_cast<double>(i + 1)});
-  errors.push_back({1, ErrorSpread::kNone});
+  errors.push_back({1, kNotMeasured});
   const ErrorSpread spread = spread_of(errors);
   EXPECT_EQ(spread.asked, 6u);
   EXPECT_EQ(spread.answered, 5u);
@@ -65,7 +59,7 @@ TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
 }
 
 TEST(ErrorSpread, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
-  const ErrorSpread nothing = spread_of({}), none = spread_of({{0, ErrorSpread::kNone}});
+  const ErrorSpread nothing = spread_of({}), none = spread_of({{0, kNotMeasured}});
   EXPECT_EQ(nothing.asked, 0u);
   EXPECT_EQ(none.asked, 1u);
   for (const ErrorSpread& spread : {nothing, none}) {
@@ -92,100 +86,284 @@ TEST(ErrorSpread, AnIntervalIsBetweenClusters) {
   EXPECT_NEAR(spread.mean_high_m, 0.0025 + 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
 }
 
-// Sigmas of 1, 2, 1 rad and 1, 3, 2 m: errors of 1, 1, 2 and 0, 1, 2 of them, of which two are beyond 1.96.
-TEST(PoseMisfit, ErrorsOverStatedSigmasByPencil) {
-  Eigen::Matrix<double, 6, 1> error, sigmas;
-  error << 1.0, 2.0, 2.0, 0.0, 3.0, 4.0;
-  sigmas << 1.0, 2.0, 1.0, 1.0, 3.0, 2.0;
-  const PoseMisfit misfit = misfit_of(error, sigmas.cwiseAbs2().asDiagonal());
-  EXPECT_DOUBLE_EQ(misfit.rotation_z2, 2.0);
-  EXPECT_DOUBLE_EQ(misfit.position_z2, 5.0 / 3.0);
-  EXPECT_DOUBLE_EQ(misfit.mahalanobis2, 11.0);
-  EXPECT_EQ(misfit.covered, 4u);
-  EXPECT_EQ(misfit.asked, 6u);
+// Sensors whose depth is only rounded to millimetres, at a bench.
+SimulationSpec exact_bench(std::uint64_t places) {
+  SimulationSpec spec = walking_spec(1, 0.2);
+  spec.rig.heights_m = {0.6, 2.2};
+  spec.depth.noise = noise_free_depth();
+  spec.sensor.dropped_share = 0.0;
+  spec.bench = BenchSpec{};
+  spec.bench->places = places;
+  spec.bench->hold_s = 0.07;
+  spec.bench->walls_m.clear();
+  return spec;
 }
 
-// Errors that go together as stated are less far off than each by itself says: (1 + 1 - 2 / 2) / (1 - 1 / 4).
-TEST(PoseMisfit, TheMahalanobisDistanceKnowsThatTurnAndPlaceGoTogether) {
-  Eigen::Matrix<double, 6, 1> error;
-  error << 1.0, 0.0, 0.0, 1.0, 0.0, 0.0;
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
-  covariance(0, 3) = covariance(3, 0) = 0.5;
-  EXPECT_NEAR(misfit_of(error, covariance).mahalanobis2, 4.0 / 3.0, 1e-12);
-  EXPECT_DOUBLE_EQ(misfit_of(error, covariance).rotation_z2, 1.0 / 3.0);
+CalibrationSummary summary_of(const std::filesystem::path& folder, const Campaign& campaign) {
+  const char* const study = R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "c"})";
+  const CalibrationSpec spec = parse_calibration_spec(parse_json(study, "study.json"), "study.json", {});
+  run_study(calibration_study(spec, campaign, std::make_shared<HashCache>()), folder, {.threads = 2});
+  return read_results<CalibrationSummary>(folder);
 }
 
-CalibrationSpec tiny_spec() {
-  return calibration_spec_of(
-      R"(, "units": 1, "samples": 2, "near_samples": 1, "frames": 1, "distortion_units": 1,
-      "distortion_frames": 4, "runs": 1, "positions": 6, "position_frames": 1, "bodies_s": 1,
-      "bodies_instants": 6)");
+std::vector<WandSample> samples_of(const WandRecording& recording, const std::string& method) {
+  std::vector<WandSample> samples;
+  for (const WandSample& sample : recording.samples)
+    if (sample.method == wand_method(method)) samples.push_back(sample);
+  return samples;
 }
 
-CalibrationSpec wand_only_spec(const std::string& members) {
-  return calibration_spec_of(members +
-                             R"(, "near_samples": 0, "frames": 1, "distortion_units": 0, "runs": 0)");
+// In the paper's recommended range.
+bool is_inside(const WandSample& sample) {
+  return sample.distance_m >= 0.8 && sample.distance_m <= 3.0 && sample.angle_rad < 26.0 * kRadPerDegree;
 }
 
-// A flat offset of the depths is along the ray of a ball on the central line, so there both errors are one.
-TEST(CalibrationStudy, TheErrorOfTheDistanceIsThatAlongTheRayOnly) {
+TEST(StatedDistances, AreFoundByOursAndBeforeAFarWallByTheMidRange) {
   const ScratchFolder folder;
-  run_study(calibration_study(wand_only_spec(
-                R"(, "units": 4, "samples": 3, "distances_m": [1.2, 1.8], "largest_angle_deg": 0)")),
-            folder / "axis", {});
-  const CalibrationSummary axis = read_results<CalibrationSummary>(folder / "axis");
+  const Campaign campaign = simulate_into(folder / "c", exact_bench(24));
+  const CalibrationSummary summary = summary_of(folder / "out", campaign);
+  ASSERT_THAT(summary.wands, SizeIs(2));
+  EXPECT_EQ(summary.wands[0].name, "bench_far_wall");
+  EXPECT_EQ(summary.wands[1].name, "bench_room");
+  EXPECT_TRUE(summary.simulated);
+  std::array<int, 4> found{};  // far wall and room by ours, by the mid-range
+  for (std::size_t w = 0; w < 2; ++w)
+    for (const char* method : {"ours", "corrected by the mid-range"}) {
+      const std::vector<WandSample> samples = samples_of(summary.wands[w], method);
+      ASSERT_THAT(samples, SizeIs(2 * 24));
+      for (const WandSample& sample : samples)
+        found[2 * (method[0] == 'c') + w] += sample.distance_error_m < 0.02 && is_inside(sample);
+    }
+  const auto far = static_cast<int>(std::ranges::count_if(samples_of(summary.wands[0], "ours"), is_inside));
+  EXPECT_EQ(found[0], far);
+  EXPECT_GE(4 * found[1], 3 * far);  // the person stands before some
+  EXPECT_EQ(found[2], far);
+  EXPECT_LT(found[3], far);  // a room's floor is nearer than some
+}
+
+// Distances of a tenth more than the ball's are errors of a tenth.
+TEST(StatedDistances, AnErrorIsThatOfTheDistanceOnTheFile) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "c", exact_bench(8));
+  const std::filesystem::path places = campaign.stated_distances[0].places;
+  std::string text = "from_s,to_s,sensor,distance_m,angle_deg\n";
+  for (const WandPlace& place :
+       read_stated_places(places, SessionReader(campaign.stated_distances[0].session))) {
+    const HostTime start = start_of_depth(SessionReader(campaign.stated_distances[0].session));
+    text += fmt::format("{:.4f},{:.4f},k{},{:.5f},\n", (place.first - start).seconds(),
+                        (place.last - start).seconds(), place.sensor + 1, place.distance_m - 0.1);
+  }
+  write_file(places, text);
+  const CalibrationSummary summary = summary_of(folder / "out", campaign);
   std::size_t compared = 0;
-  for (const WandSample& sample : axis.wand_samples) {
-    if (axis.wand[sample.row].method != "ours" || axis.wand[sample.row].scene != "far wall") continue;
-    EXPECT_LE(sample.distance_error_m, sample.error_m);
-    EXPECT_NEAR(sample.distance_error_m, sample.error_m, 0.002);
+  for (const WandSample& sample : samples_of(summary.wands[0], "ours")) {
+    if (std::isnan(sample.distance_error_m)) continue;
+    EXPECT_NEAR(sample.distance_error_m, 0.1, 0.004);
+    EXPECT_TRUE(std::isnan(sample.error_m));
+    EXPECT_TRUE(std::isfinite(sample.angle_rad));  // by ours, since nobody stated it
     ++compared;
   }
-  EXPECT_EQ(compared, 12u);
-  for (const WandRow& row : axis.wand) {
-    EXPECT_EQ(row.recommended_distance.answered, row.recommended.answered) << row.method;
-    EXPECT_FALSE(row.recommended_distance.mean_m > row.recommended.mean_m) << row.method;
-  }
+  EXPECT_GE(compared, 8u);
 }
 
 // Nearer than 0.8 m, where the paper sees more error, lies a tenth of the span of distances.
-TEST(CalibrationStudy, EveryUnitHasSamplesInEachZoneThatThePaperJudges) {
+TEST(StatedDistances, EverySensorHasPlacesInEachZoneThatThePaperJudges) {
   const ScratchFolder folder;
-  run_study(calibration_study(wand_only_spec(R"(, "units": 4, "samples": 40)")), folder / "zones", {});
-  std::map<std::uint64_t, std::array<int, 4>> zones;  // of a unit: too near, within, too far, too wide
-  for (const WandSample& sample : read_results<CalibrationSummary>(folder / "zones").wand_samples) {
-    if (sample.row != 0) continue;
-    auto& [near, within, far, wide] = zones[sample.unit];
-    const double deg = sample.angle_rad * kDegreesPerRad;
-    near += sample.distance_m >= 0.5 && sample.distance_m < 0.8;
-    within += sample.distance_m >= 0.8 && sample.distance_m <= 3.0 && deg < 26.0;
-    far += sample.distance_m > 3.0;
-    wide += deg >= 26.0;
+  SimulationSpec spec = exact_bench(40);
+  spec.bench->hold_s = 0.05;
+  const Campaign campaign = simulate_into(folder / "c", spec);
+  std::array<int, 4> zones{};  // too near, within, too far, too wide
+  const auto& stated = campaign.stated_distances[0];
+  for (const WandPlace& place : read_stated_places(stated.places, SessionReader(stated.session))) {
+    if (place.sensor != 0) continue;
+    const double deg = *place.angle_rad * kDegreesPerRad;
+    zones[0] += place.distance_m >= 0.5 && place.distance_m < 0.8;
+    zones[1] += place.distance_m >= 0.8 && place.distance_m <= 3.0 && deg < 26.0;
+    zones[2] += place.distance_m > 3.0;
+    zones[3] += deg >= 26.0;
   }
-  EXPECT_THAT(zones, SizeIs(4));
-  for (const auto& [unit, count] : zones) {
-    // 0.9 and 1.5 parts of 4.9, each sample in a part of its own: 7.3 and 12.2 of 40, and no unit has fewer
-    // than
-    EXPECT_GE(count[0], 6) << unit;
-    EXPECT_GE(count[2], 12) << unit;
-    EXPECT_GE(count[1], 9) << unit;
-    EXPECT_GE(count[3], 4) << unit;
+  EXPECT_GE(zones[0], 5);
+  EXPECT_GE(zones[1], 8);
+  EXPECT_GE(zones[2], 10);
+  EXPECT_GE(zones[3], 4);
+}
+
+TEST(StatedDistances, WhatCannotBeOnARulerIsRefusedWithItsLine) {
+  const ScratchFolder folder;
+  record(folder / "ball.h5", rig_of(2), {ball_in_room(kPlaces[0])}, header_of(2));
+  const SessionReader session(folder / "ball.h5");
+  const std::string head = "from_s,to_s,sensor,distance_m\n";
+  const auto said = [&](const std::string& text) {
+    write_file(folder / "places.csv", text);
+    return message_of([&] { read_stated_places(folder / "places.csv", session); });
+  };
+  EXPECT_EQ(said(head + "0,0.5,k1,2\n"), "no error");
+  EXPECT_THAT(said(head + "0,0.5,k1,2\n0,0.5,k2,185\n"),
+              AllOf(HasSubstr("places.csv:3"), HasSubstr("distance_m is 185; state metres"),
+                    HasSubstr("as centimetres it would be 1.85")));
+  EXPECT_THAT(said(head + "0,0.5,k1,1850\n"), HasSubstr("as millimetres it would be 1.85"));
+  EXPECT_THAT(said(head + "0,0.5,k1,20000\n"),
+              AllOf(HasSubstr("distance_m is 20000"), testing::Not(HasSubstr("would be"))));
+  EXPECT_THAT(said(head + "0,0.5,k1,two\n"), HasSubstr("distance_m is \"two\", which is not a number"));
+  EXPECT_THAT(said(head + "0,0.5,k9,2\n"), AllOf(HasSubstr("names sensor \"k9\""), HasSubstr("k1")));
+  EXPECT_THAT(said(head + "0.5,0.5,k1,2\n"), HasSubstr("to_s must be later than from_s"));
+  EXPECT_THAT(said(head + "100,110,k1,2\n"),
+              HasSubstr("lies outside the recording, whose depth lasts 0.6 s"));
+  EXPECT_THAT(said(head + "0,0.5,k1\n"), HasSubstr("has 3 cells under 4 columns"));
+  EXPECT_THAT(said("from_s,to_s,sensor\n"), HasSubstr("has no column distance_m"));
+  EXPECT_THAT(said(head), HasSubstr("states no place"));
+}
+
+// Another place's distances, and those of the ball's surface.
+TEST(StatedDistances, ThoseOfSomethingElseAreRefusedOrRemarkedOn) {
+  const ScratchFolder folder;
+  std::vector<DepthScene> scenes;
+  for (std::size_t p = 0; p < 4; ++p) scenes.push_back(ball_in_room(kPlaces[p]));
+  record(folder / "ball.h5", rig_of(1), scenes, header_of(1));
+  const auto measured = [&](double more_m) {
+    std::string text = "from_s,to_s,sensor,distance_m\n";
+    for (std::size_t p = 0; p < 4; ++p)
+      text += fmt::format("{0:.2f},{1:.2f},k1,{2:.4f}\n", 1.2 * static_cast<double>(p),
+                          1.2 * static_cast<double>(p) + 0.6,
+                          (kPlaces[p] - rig_of(1)[0].translation_m).norm() + more_m);
+    write_file(folder / "places.csv", text);
+    return measure_stated_distances({folder / "ball.h5", folder / "places.csv"}, 3, {});
+  };
+  EXPECT_THAT(measured(0.0).notes, SizeIs(0));
+  EXPECT_THAT(measured(-0.075).notes,
+              testing::ElementsAre(HasSubstr("the ball is found 7.5 cm farther than stated")));
+  EXPECT_THAT(message_of([&] { measured(0.6); }),
+              AllOf(HasSubstr("places.csv"), HasSubstr("sensor \"k1\""), HasSubstr("they differ by 0.60 m"),
+                    HasSubstr("-0.60")));
+}
+
+SimulationSpec exact_wand() {
+  SimulationSpec spec = walking_spec(1, 0.2);
+  spec.depth.noise = noise_free_depth();
+  spec.mocap.clock_error_s = 0.0;
+  spec.mocap.marker_noise_sigma_m = 0.0;
+  spec.mocap.gap_share = 0.0;
+  spec.wand = WandSpec{};
+  spec.wand->person = false;
+  spec.wand->motion = {8, 0.8, 0.3};
+  return spec;
+}
+
+TEST(WandErrors, PlacesAreLeftOutInTurnAndKnownByOptiTrackOrByTheOtherSensors) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "c", exact_wand());
+  for (const bool has_export : {true, false}) {
+    CampaignWand wand = *campaign.wand;
+    if (!has_export) wand.mocap.clear();
+    const WandRecording recording =
+        measure_wand(wand, read_calibration(campaign.takes[0].calibration), 3, {});
+    EXPECT_EQ(recording.truth, has_export ? WandTruth::optitrack : WandTruth::sensors);
+    std::map<std::size_t, int> places;
+    for (const WandSample& sample : samples_of(recording, "ours")) {
+      ++places[sample.place];
+      if (std::isnan(sample.error_m)) continue;
+      EXPECT_LT(sample.error_m, 0.004);
+      EXPECT_LE(sample.distance_error_m, sample.error_m + 1e-12);
+    }
+    EXPECT_THAT(places, SizeIs(5));  // of eight all but the first three
+    for (std::size_t p = 0; p < 3; ++p) EXPECT_FALSE(places.contains(p));
+    if (!has_export) {
+      EXPECT_THAT(recording.poses, SizeIs(0));
+      continue;
+    }
+    ASSERT_THAT(recording.poses, SizeIs(12));
+    for (std::size_t k = 0; k < 8; ++k) {  // refined, and by two positions corrected
+      EXPECT_LT(recording.poses[k].position_m, 0.006) << recording.poses[k].method;
+      EXPECT_LT(recording.poses[k].rotation_rad, 0.004);
+    }
+    for (std::size_t k = 8; k < 12; ++k) EXPECT_GT(recording.poses[k].position_m, 0.5);
+    EXPECT_LT(recording.poses[0].position_m, 3.0 * std::sqrt(3.0) * recording.poses[0].position_sigma_m);
+    EXPECT_TRUE(std::isnan(recording.poses[4].position_sigma_m));
   }
 }
 
-// Level, seen by all and without depth errors of the units the corrected equations have nothing to be wrong
-// about but what noise leaves: the frame they are scored in is the one they give.
-TEST(CalibrationStudy, TheFirstThreePlacesAreLevelAndSeenByEverySensor) {
-  const CalibrationSpec spec = tiny_spec();
-  const auto rig = true_rig(spec);
-  for (std::uint64_t run = 0; run < 3; ++run) {
-    const SimulatedRun simulated = simulate_run(spec, rig, run, {});
-    ASSERT_GE(simulated.views.positions.size(), 3u);
-    for (std::size_t p = 0; p < 3; ++p) EXPECT_THAT(simulated.views.positions[p].seen, SizeIs(rig.size()));
-    EXPECT_DOUBLE_EQ(simulated.position_in_world_m[0].y(), simulated.position_in_world_m[1].y());
-    const Eigen::Vector3d up = simulated.wand_from_world.rotation * Eigen::Vector3d::UnitY();
-    EXPECT_NEAR(up.y(), 1.0, 1e-12);
-  }
+// A tilted wall, exact but for the rounding to millimetres.
+TEST(WallErrors, APlaneIsFoundWithItsDistanceAndTilt) {
+  const ScratchFolder folder;
+  const double tilt_rad = 10.0 * kRadPerDegree;
+  const RigidTransform turned{Eigen::Quaterniond(Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitY())),
+                              {0.0, 1.0, 0.0}};
+  DepthScene wall;
+  wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -2.0});
+  record(folder / "wall.h5", {RigidTransform{{}, {0.0, 1.0, 0.0}}, turned}, {wall}, header_of(2));
+  const WallRecording recording = measure_wall({folder / "wall.h5", 2.0}, "wall", {});
+  ASSERT_THAT(recording.rows, SizeIs(2));
+  const WallRow &square = recording.rows[0], &tilted = recording.rows[1];
+  EXPECT_NEAR(square.distance_m, 2.0, 1e-6);
+  EXPECT_NEAR(square.tilt_rad, 0.0, 1e-6);
+  EXPECT_NEAR(tilted.distance_m, 2.0 / std::cos(tilt_rad), 2e-4);
+  EXPECT_NEAR(tilted.tilt_rad, tilt_rad, 1e-4);
+  EXPECT_EQ(square.frames, static_cast<std::uint64_t>(kFramesOfPlace));
+  EXPECT_EQ(square.noise_m, 0.0);
+  for (const WallRow& row : recording.rows)
+    for (const double residual_m : row.residual_m) EXPECT_FALSE(residual_m > 0.0011);
+  const DepthRays rays = depth_rays({});
+  const int row = kDepthHeight / 2;
+  EXPECT_NEAR(
+      square.printed_error_m[100],
+      std::abs(printed_linear_angle_point({100, row}, 2.0).x() - 2.0 * double{rays.x[rays.index(100, row)]}),
+      1e-4);
+}
+
+TEST(WallErrors, WhatIsNoFlatWallAtThatDistanceIsRefused) {
+  const ScratchFolder folder;
+  const std::vector<RigidTransform> rig{RigidTransform{{}, {0.0, 1.0, 0.0}}};
+  DepthScene wall, corner;
+  wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -2.0});
+  corner.planes.push_back({Eigen::Vector3d(-1.0, 0.0, -1.0).normalized(), -1.6});
+  corner.planes.push_back({Eigen::Vector3d(1.0, 0.0, -1.0).normalized(), -1.6});
+  record(folder / "corner.h5", rig, {corner}, header_of(1));
+  record(folder / "wall.h5", rig, {wall}, header_of(1));
+  record(folder / "person.h5", rig, {ball_in_room({0.0, 1.0, 0.9}, 0.3)}, header_of(1));
+  for (const char* file : {"corner.h5", "person.h5"})
+    EXPECT_THAT(message_of([&] { measure_wall({folder / file}, "wall", {}); }),
+                AllOf(HasSubstr(file), HasSubstr("k1"), HasSubstr("sees no flat wall"),
+                      HasSubstr("80 % are needed")));
+  EXPECT_THAT(message_of([&] {
+                measure_wall({folder / "wall.h5", 3.0}, "wall", {});
+              }),
+              AllOf(HasSubstr("sees the wall at 2.00 m"), HasSubstr("\"distance_m\" is 3")));
+}
+
+// A study of several recordings goes on without one that cannot be evaluated; of none there is one line.
+TEST(CalibrationStudy, ARecordingThatCannotBeEvaluatedIsNamed) {
+  const ScratchFolder folder;
+  const std::string study =
+      file_with(folder, "study.json",
+                R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "c"})");
+  const auto run = [&](const std::string& campaign, const std::string& out) {
+    return run_trilat(folder, {"run", study, "--campaign", folder / campaign, "-o", folder / out});
+  };
+  std::filesystem::create_directories(folder / "rig/wall");
+  std::filesystem::create_directories(folder / "rig/wand");
+  std::filesystem::create_directories(folder / "blind/wand");
+  std::filesystem::create_directories(folder / "walk");
+  DepthScene wall;
+  wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -2.0});
+  record(folder / "rig/wall/session.h5", {RigidTransform{}, RigidTransform{}}, {wall}, header_of(2));
+  record_wand(folder / "rig/wand/session.h5", rig_of(2));
+  EXPECT_EQ(run("rig", "good").code, 0);
+  // nothing of a ball is seen by two sensors at one time: one looks away
+  std::vector<RigidTransform> rig = rig_of(2);
+  rig[1].rotation = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()) * rig[1].rotation;
+  record_wand(folder / "blind/wand/session.h5", rig);
+  expect_refused(run("blind", "none"), "sensor \"k2\" never sees the ball");
+  std::filesystem::copy(folder / "blind/wand/session.h5", folder / "rig/wand/session.h5",
+                        std::filesystem::copy_options::overwrite_existing);
+  const Ended some = run("rig", "some");
+  EXPECT_EQ(some.code, 1);
+  EXPECT_THAT(some.err, AllOf(HasSubstr("failed: wand: "), HasSubstr("never sees the ball")));
+  const auto summary = read_results<CalibrationSummary>(folder / "some");
+  EXPECT_THAT(summary.failed, testing::ElementsAre(HasSubstr("wand: ")));
+  EXPECT_THAT(summary.walls, SizeIs(2));
+  record(folder / "walk/session.h5", rig_of(2), {wall}, header_of(2));
+  expect_refused(run("walk", "nothing"), "has no recording to calibrate by");
+  EXPECT_EQ(run("rig/wall/session.h5", "alone").code, 0);
 }
 
 }  // namespace

@@ -16,6 +16,9 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["TRILAT"]
+BENCH = {"format": "trilat.simulation", "version": 1, "name": "bench", "participants": 1, "activities": [{"name": "walking", "duration_s": 0.5}],
+         "rig": {"heights_m": [0.6, 2.2, 0.9]}, "wand": {"positions": 7, "hold_s": 0.7, "move_s": 0.2},
+         "bench": {"places": 6, "hold_s": 0.07, "walls_m": [2], "wall_s": 0.2}}
 SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "made", "seed": 5, "participants": 4, "body_tracker": {},
               "activities": [{"name": "walking", "duration_s": 8}, {"name": "arm_swing", "duration_s": 8}]}
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "table3", "alignments": ["mean", "none"],
@@ -49,7 +52,9 @@ def make(folder):
     folder.mkdir(parents=True)
     (folder / "simulation.json").write_text(json.dumps(SIMULATION))
     (folder / "study.json").write_text(json.dumps(STUDY))
+    (folder / "bench.json").write_text(json.dumps(BENCH))
     trilat("simulate", folder / "simulation.json", "-o", folder / "campaign")
+    trilat("simulate", folder / "bench.json", "-o", folder / "bench")
     trilat("run", folder / "study.json", "--campaign", folder / "campaign", "-o", folder / "results")
     trilat("report", folder / "results", "-o", folder / "report", "--time", "2026-01-01")
 

@@ -3,6 +3,9 @@
 
 #include <numbers>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "datasets/base/settings.h"
 #include "datasets/base/strict_json.h"
 
@@ -26,6 +29,14 @@ void read_range(JsonObject& object, const char* low_key, const char* high_key, d
   setting(object, high_key, high, limits, "the other end");
   if (high < low) object.refuse(high_key, std::string("must not be less than ") + low_key);
 }
+
+void read_shape(JsonObject& object, WandShape& shape) {
+  setting(object, "ball_radius_m", shape.ball_radius_m, {0.01, 0.3}, "of its ball");
+  setting(object, "stick_radius_m", shape.stick_radius_m, {0.001, shape.ball_radius_m}, "of its stick");
+  setting(object, "stick_length_m", shape.stick_length_m, {0.1, 5.0}, "of its stick");
+}
+
+constexpr std::size_t kMaxWalls = 20;
 
 }  // namespace
 
@@ -63,13 +74,38 @@ WandSpec read_wand_spec(JsonObject object) {
     object.refuse("positions", "must be 3 to 10000; the first three define the calibration's frame");
   setting(object, "hold_s", wand.motion.hold_s, {0.1, 3600.0}, "at each");
   setting(object, "move_s", wand.motion.move_s, {0.1, 3600.0}, "from one to the next");
-  setting(object, "ball_radius_m", wand.shape.ball_radius_m, {0.01, 0.3}, "of its ball");
-  setting(object, "stick_radius_m", wand.shape.stick_radius_m, {0.001, wand.shape.ball_radius_m},
-          "of its stick");
-  setting(object, "stick_length_m", wand.shape.stick_length_m, {0.1, 5.0}, "of its stick");
+  read_shape(object, wand.shape);
   setting(object, "person", wand.person, "somebody holds it");
   object.finish();
   return wand;
+}
+
+BenchSpec read_bench_spec(JsonObject object) {
+  BenchSpec bench;
+  setting(object, "places", bench.places, {0, 10'000}, "of the ball");
+  setting(object, "hold_s", bench.hold_s, {0.05, 3600.0}, "at each");
+  if (object.has("distances_m")) {
+    bench.distances_m = object.numbers("distances_m", 2);
+    if (!(bench.distances_m[0] >= 0.2 && bench.distances_m[0] < bench.distances_m[1] &&
+          bench.distances_m[1] <= 8.0))
+      object.refuse("distances_m", "must be [from, to] within 0.2 to 8 m, the nearer first");
+  }
+  setting(object, "max_angle_deg", bench.max_angle_rad, {0.0, 40.0}, "of the places, from the lens' axis",
+          kRadPerDegree);
+  read_shape(object, bench.shape);
+  if (object.has("walls_m")) {
+    bench.walls_m = object.numbers("walls_m", object.value("walls_m").size());
+    for (const double wall_m : bench.walls_m)
+      if (!(wall_m >= 0.5 && wall_m <= 7.0))
+        object.refuse("walls_m", fmt::format("has {:g}; walls stand 0.5 to 7 m away", wall_m));
+    if (bench.walls_m.size() > kMaxWalls)
+      object.refuse("walls_m", fmt::format("must hold at most {} distances", kMaxWalls));
+  }
+  setting(object, "wall_s", bench.wall_s, {0.1, 3600.0}, "of each wall");
+  object.about({{"distances_m", "of the places from the sensors: from, to"},
+                {"walls_m", "distances of flat walls, a recording each"}});
+  object.finish();
+  return bench;
 }
 
 RoomSpec read_room(JsonObject object) {

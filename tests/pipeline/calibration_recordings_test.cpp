@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/simulate/simulate_wand.h"
+#include "pipeline/simulate/calibration_recordings.h"
 
 #include <atomic>
 #include <cmath>

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "datasets/synthetic/simulated_sensor.h"
+#include "datasets/take/campaign.h"
 #include "pipeline/study/watch.h"
 #include "recorders/synthetic_source.h"
 
@@ -25,5 +28,22 @@ HostTime wand_mocap_start(const SimulationSpec& spec);
 void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& poses,
                    const Eigen::Vector3d& rig_centre_m, const std::filesystem::path& folder,
                    const Watch& watch);
+
+// A recording beside the takes, by which sensors are calibrated or a calibration is judged.
+struct CalibrationRecording {
+  std::string folder;  // inside the campaign's
+  double duration_s = 0.0;
+  // Writes session.h5, truth.json and what else belongs to it.
+  std::function<void(const std::filesystem::path& folder, const Watch& watch)> simulate;
+  // Names it in a campaign, when it lies in `folder`.
+  std::function<void(const std::filesystem::path& folder, Campaign& campaign)> add_to;
+};
+
+// The wand's recording, and those of the bench: session.h5 and, of a ball, places.csv, which states its
+// distance and angle at every place as a laser meter would. `poses` and `rig_centre_m`: of the rig, where the
+// wand is seen.
+std::vector<CalibrationRecording> calibration_recordings(const SimulationSpec& spec,
+                                                         const std::vector<SensorPose>& poses,
+                                                         const Eigen::Vector3d& rig_centre_m);
 
 }  // namespace trilat
