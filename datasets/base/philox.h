@@ -34,6 +34,7 @@ enum class Purpose : std::uint32_t {
   depth_unit = 15,
   wand_motion = 16,
   wand_sample = 17,
+  calibration_trial = 18,
   tracker_bias = 19,
   tracker_wander = 20,
   tracker_jitter = 21,
