@@ -2,6 +2,7 @@
 #include "recorders/open_source.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <map>
@@ -17,6 +18,8 @@
 
 namespace trilat {
 namespace {
+
+const Eigen::Vector3d kRigCentre_m(0.0, 1.0, 0.0);
 
 // KIND:WHAT,KEY=VALUE,…
 struct SourceText {
@@ -83,8 +86,10 @@ SyntheticRequest read_synthetic(SourceText text) {
   request.seed = static_cast<std::uint64_t>(text.take_number("seed", 1, 0, 1e15));
   request.duration_s = text.take_number("duration", request.duration_s, 0.1, 1e6);
   if (const auto depth = text.take("depth")) {
-    if (*depth != "yes" && *depth != "no") text.refuse("depth must be yes or no, is \"" + *depth + '"');
-    request.depth = *depth == "yes";
+    constexpr std::array<std::string_view, 3> kDepths{"no", "yes", "wand"};
+    const auto* found = std::ranges::find(kDepths, *depth);
+    if (found == kDepths.end()) text.refuse("depth must be yes, no or wand, is \"" + *depth + '"');
+    request.depth = static_cast<SyntheticRequest::Depth>(found - kDepths.begin());
   }
   request.live.speed = take_speed(text);
   request.live.stamp_arrivals = request.live.speed == 1.0;
@@ -97,11 +102,15 @@ SyntheticRequest read_synthetic(SourceText text) {
 std::unique_ptr<FrameSource> open_synthetic(const SyntheticRequest& request) {
   const SyntheticSetup setup = setup_of(request);
   std::optional<SyntheticDepth> depth;
-  if (request.depth) {
-    const SceneMotion scene = [motion = setup.motion, room = setup.simulation.room](double time_s) {
+  if (request.depth != SyntheticRequest::Depth::none) {
+    const SceneMotion scene = [motion = setup.motion, wand = setup.wand,
+                               room = setup.simulation.room](double time_s) {
       DepthScene result;
-      append_room(result, room, {0.0, 1.0, 0.0});
-      append_person(result, motion(time_s));
+      append_room(result, room, kRigCentre_m);
+      if (wand)
+        append_wand_instant(result, wand->at(time_s), {}, true);
+      else
+        append_person(result, motion(time_s));
       return result;
     };
     depth = SyntheticDepth{scene, setup.simulation.depth.noise, {}};
@@ -126,10 +135,17 @@ SyntheticSetup setup_of(const SyntheticRequest& request) {
   for (std::size_t s = 0; s < request.sensors; ++s)
     setup.simulation.rig.heights_m[s] = heights_m[s % heights_m.size()];
   setup.item = {request.seed, 0, 0};
-  setup.motion = generated_motion(
-      draw_person(request.seed, 0, setup.simulation.stature_mean_m, setup.simulation.stature_half_range_m),
-      Activity::walking);
-  for (const SensorPose& pose : rig_poses(setup.simulation.rig, {0.0, 1.0, 0.0})) {
+  const Person person =
+      draw_person(request.seed, 0, setup.simulation.stature_mean_m, setup.simulation.stature_half_range_m);
+  setup.motion = generated_motion(person, Activity::walking);
+  if (request.depth == SyntheticRequest::Depth::wand) {
+    setup.wand.emplace(WandMotionSpec{}, request.seed, kRigCentre_m, person);
+    setup.motion = [wand = *setup.wand](double time_s) {
+      const WandInstant instant = wand.at(time_s);
+      return instant.is_held ? instant.person : SkeletonPose();
+    };
+  }
+  for (const SensorPose& pose : rig_poses(setup.simulation.rig, kRigCentre_m)) {
     setup.sensors.push_back(draw_sensor(setup.simulation.sensor, setup.item, setup.sensors.size(), pose));
     setup.sensors.back().agent_from_host = {kMotionStart, {kMotionStart.ns}, 0.0};
   }
@@ -153,7 +169,7 @@ std::unique_ptr<FrameSource> open_source(const std::string& text, const std::str
 }
 
 std::string source_help() {
-  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes ,duration=SECONDS ,speed=FACTOR or "
+  return "synthetic:N (N virtual Kinects; with ,seed=1 ,depth=yes|no|wand ,duration=SECONDS ,speed=FACTOR or "
          ",speed=max)";
 }
 

@@ -12,17 +12,19 @@
 #include <vector>
 
 #include "datasets/synthetic/simulation_spec.h"
+#include "datasets/synthetic/wand_motion.h"
 #include "recorders/frame_source.h"
 #include "recorders/live_source.h"
 #include "recorders/synthetic_source.h"
 
 namespace trilat {
 
-// Virtual Kinects watching a generated person walk, as one asks for them by text.
+// Virtual Kinects watching a generated person walk, or hold a wand at many places, as one asks for them by
+// text.
 struct SyntheticRequest {
   std::size_t sensors = 4;
   std::uint64_t seed = 1;
-  bool depth = true;
+  enum class Depth { none, walker, wand } depth = Depth::walker;  // what the depth frames show
   double duration_s = 86400.0;
   LiveOptions live;
 };
@@ -32,6 +34,7 @@ struct SyntheticSetup {
   SimulationSpec simulation;
   SimulatedItem item;
   Motion motion;
+  std::optional<WandMotion> wand = {};  // that the person holds
   std::vector<SimulatedSensor> sensors;
 };
 SyntheticSetup setup_of(const SyntheticRequest& request);

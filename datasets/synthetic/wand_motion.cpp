@@ -62,6 +62,15 @@ void reach(SkeletonPose& pose, const Vector3d& hand_m) {
 
 }  // namespace
 
+void append_wand_instant(DepthScene& scene, const WandInstant& instant, const WandShape& shape,
+                         bool shows_person) {
+  if (shows_person && instant.is_held) append_person(scene, instant.person);
+  if (instant.is_held)
+    append_wand(scene, instant.ball_in_world_m, instant.stick_direction, shape);
+  else
+    scene.spheres.push_back({instant.ball_in_world_m, shape.ball_radius_m});
+}
+
 // Where the ball is and where from the middle the person stands.
 struct WandMotion::Stand {
   Vector3d ball_m;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "datasets/synthetic/depth/room_scene.h"
 #include "datasets/synthetic/generated_person.h"
 
 namespace trilat {
@@ -26,6 +27,10 @@ struct WandInstant {
   SkeletonPose person;
   bool is_held = true;  // false: it hangs free, and no person is in the room
 };
+
+// The ball with its stick and, where somebody holds it and is shown, the person.
+void append_wand_instant(DepthScene& scene, const WandInstant& instant, const WandShape& shape,
+                         bool shows_person);
 
 // The first three positions define a frame of their own: 1 m high on one side of the middle of the rig; 1.2
 // to 1.4 m from it on the other side, at the same height; 0.6 m above the first. The others are anywhere in a

@@ -66,7 +66,8 @@ Figure wand_figure(const CalibrationSummary& s) {
         curve.panel = figure.panels.size();
         if (!curve.points.empty()) figure.series.push_back(std::move(curve));
       }
-      figure.panels.push_back(fmt::format("{}, {}", method, recording.name));
+      figure.panels.emplace_back(method);
+      figure.caption += fmt::format(" {}: {}.", method, recording.name);
       break;
     }
   figure.bands = {{paper_calibration().recommended_m[0], paper_calibration().recommended_m[1],

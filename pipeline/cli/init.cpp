@@ -165,23 +165,30 @@ FoundTake take_of(const SessionReader& reader, const fs::path& session, const In
   return found;
 }
 
-// `known`: takes that the campaign has already, which stay as they are.
-Found look_around(const InitArguments& arguments, const std::vector<Take>& known) {
+// `known`: the campaign as it is, whose recordings stay as they are.
+Found look_around(const InitArguments& arguments, const Campaign& known) {
   Found found;
   std::vector<fs::path> sessions, new_sessions;
   std::map<fs::path, FoundTake> takes;
   std::set<fs::path> known_sessions;
   std::set<std::string> known_ids;
-  for (const Take& take : known) {
+  for (const Take& take : known.takes) {
     known_sessions.insert(fs::weakly_canonical(take.session));
     known_ids.insert(take.id);
   }
+  std::set<fs::path> known_calibration;
+  if (known.wand) known_calibration.insert(fs::weakly_canonical(known.wand->session));
+  for (const StatedDistances& stated : known.stated_distances)
+    known_calibration.insert(fs::weakly_canonical(stated.session));
+  for (const FlatWall& wall : known.walls) known_calibration.insert(fs::weakly_canonical(wall.session));
   for (const fs::path& file : files_below(arguments.folder, {".h5"})) try {
       const SessionReader reader(file);
-      if (!known_sessions.contains(fs::weakly_canonical(file)) &&
-          add_calibration_recording(file, found.calibration)) {
+      const fs::path canonical = fs::weakly_canonical(file);
+      if (known_calibration.contains(canonical)) continue;
+      if (!known_sessions.contains(canonical) && add_calibration_recording(file, found.calibration)) {
         found.notes.push_back(fmt::format(
-            "{}: a recording to calibrate by, and not a take; rename it if it is one", file.string()));
+            "{}: a recording to calibrate by, by its name, and not a take; rename it if it is one",
+            file.string()));
         continue;
       }
       takes.emplace(file, take_of(reader, file, arguments));
@@ -228,7 +235,7 @@ Found look_around(const InitArguments& arguments, const std::vector<Take>& known
   }
   number_equal_ids(found.takes, known_ids, found.notes);
   const auto in_top = [&](const fs::path& session) { return session.parent_path() == arguments.folder; };
-  if (known.empty() && std::ranges::count_if(sessions, in_top) > 1)
+  if (known.takes.empty() && std::ranges::count_if(sessions, in_top) > 1)
     found.notes.push_back(
         fmt::format("{}: its recordings lie in one folder, so each is taken for another participant, called "
                     "as the file is; if one person made several, give each participant a folder",
@@ -372,7 +379,7 @@ int init(const InitArguments& given) {
   if (fs::exists(arguments.folder / "campaign.json") && !arguments.force)
     campaign = read_campaign(arguments.folder);
   const std::size_t known = campaign.takes.size();
-  Found found = look_around(arguments, campaign.takes);
+  Found found = look_around(arguments, campaign);
   Json paths = Json::array();
   for (const FoundTake& f : found.takes) paths.push_back(f.take.session.string());
   exact_json_text(paths, 0);  // before anything is written
@@ -385,14 +392,14 @@ int init(const InitArguments& given) {
     if (!found.mapping.joints.empty()) fs::remove(mapping);  // nothing is left of what did not work out
     throw;
   }
-  if (!campaign.wand && campaign.stated_distances.empty() && campaign.walls.empty()) {
-    campaign.wand = found.calibration.wand;
-    campaign.stated_distances = found.calibration.stated_distances;
-    campaign.walls = found.calibration.walls;
-  }
+  const Campaign& other = found.calibration;
+  if (!campaign.wand) campaign.wand = other.wand;
+  campaign.stated_distances.insert(campaign.stated_distances.end(), other.stated_distances.begin(),
+                                   other.stated_distances.end());
+  campaign.walls.insert(campaign.walls.end(), other.walls.begin(), other.walls.end());
   campaign.simulated |= std::ranges::any_of(found.takes, &FoundTake::simulated);
   for (const FoundTake& f : found.takes) campaign.takes.push_back(f.take);
-  if (!found.takes.empty()) {
+  if (!found.takes.empty() || other.wand || !other.stated_distances.empty() || !other.walls.empty()) {
     write_campaign(arguments.folder, campaign);
     read_campaign(arguments.folder);  // says what of the names cannot be
   }

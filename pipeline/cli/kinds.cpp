@@ -123,10 +123,10 @@ bool add_calibration_recording(const fs::path& session, Campaign& campaign) {
     campaign.stated_distances.push_back({session, folder / "places.csv"});
   else if (is_called("wall"))
     campaign.walls.push_back({session});
-  else if (is_called("wand") && !campaign.wand)
-    campaign.wand = {.session = session};
-  else
+  else if (!is_called("wand"))
     return false;
+  else if (!campaign.wand)
+    campaign.wand = {.session = session};
   return true;
 }
 

@@ -69,7 +69,7 @@ const Kind* find_kind(const std::string& name);
 // The campaign that the command line names, else the study's; InputError where neither does.
 Campaign campaign_of(const std::filesystem::path& of_study, const RunArguments& arguments);
 // Enters a recording that its name calls a wand's or a wall's ("wand/session.h5", "wall_2m.h5"), or beside
-// which places.csv states a ball's distances. False for another, which is a take.
+// which places.csv states a ball's distances; of several wands the first. False for another, which is a take.
 bool add_calibration_recording(const std::filesystem::path& session, Campaign& campaign);
 // All files that end so, below a folder, in order; not in folders of results.
 std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder,

@@ -7,42 +7,15 @@
 #include <limits>
 #include <span>
 
-#include <nlohmann/json.hpp>
-
 #include "datasets/base/error.h"
 #include "datasets/session/clock/live_clock.h"
+#include "datasets/session/clock/true_clocks.h"
 
 namespace trilat {
 namespace {
 
 constexpr double kNoTime_s = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t kBlock = 4096;
-
-// One sensor's clocks as a simulation knows them.
-struct TrueClocks {
-  ClockMap<HostClock, SensorClock> host_from_sensor;
-  ClockMap<HostClock, AgentTag> host_from_agent;
-};
-
-std::optional<TrueClocks> true_clocks(const SessionReader& session, const std::string& sensor) {
-  const std::filesystem::path file = session.path().parent_path() / "truth.json";
-  if (!session.header().simulated || !std::filesystem::exists(file)) return std::nullopt;
-  const Json json = read_json(file);
-  JsonObject object(json, file.string(), "");
-  const HostTime start{object.integer("motion_start_host_ns")};
-  for (JsonObject& entry : object.objects("sensors")) {
-    if (entry.text("name") != sensor) continue;
-    const ClockMap<AgentTag, HostClock> agent_from_host{
-        start,
-        {start.ns + entry.integer("agent_minus_host_at_start_ns")},
-        entry.number("agent_from_host_drift", 0.0)};
-    return TrueClocks{{{entry.integer("sensor_clock_origin_ns")},
-                       {entry.integer("host_at_origin_ns")},
-                       entry.number("host_from_sensor_drift", 0.0)},
-                      agent_from_host.inverse()};
-  }
-  return std::nullopt;
-}
 
 // Delays of the answers, by when they were received.
 class WayBack {

@@ -86,14 +86,9 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
     return shows_person(instant) ? instant.person : SkeletonPose();
   };
   const SceneMotion scene = [&](double t) {
-    const WandInstant instant = wand.at(t);
     DepthScene seen;
     append_room(seen, spec.room, rig_centre_m);
-    if (shows_person(instant)) append_person(seen, instant.person);
-    if (instant.is_held)
-      append_wand(seen, instant.ball_in_world_m, instant.stick_direction, spec.wand->shape);
-    else
-      seen.spheres.push_back({instant.ball_in_world_m, spec.wand->shape.ball_radius_m});
+    append_wand_instant(seen, wand.at(t), spec.wand->shape, spec.wand->person);
     return seen;
   };
   SyntheticSource source(spec.sensor, item, motion, sensors, wand.duration_s(), {spec.body_tracker},

@@ -241,6 +241,20 @@ TEST(EventLog, OtherFilesAreRefusedWithTheReason) {
               HasSubstr("none.trilog: cannot be read"));
 }
 
+// Wherever a log is cut within its head, the head alone is refused as the log is.
+TEST(EventLog, AHeadThatIsCutIsRefusedAndNotWaitedFor) {
+  const ScratchFolder folder;
+  { EventLogWriter log(folder / "a", head_with(header_of(2))); }
+  const std::string bytes = read_file(folder / "a");
+  ASSERT_EQ(head_of_event_log(folder / "a").session.sensors.size(), 2u);
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{5}, std::size_t{8}, std::size_t{20}, std::size_t{60}}) {
+    ASSERT_LT(size, bytes.size());
+    std::ofstream(folder / "cut", std::ios::binary) << bytes.substr(0, size);
+    EXPECT_THAT(message_of([&] { head_of_event_log(folder / "cut"); }), HasSubstr("cut: ")) << size;
+  }
+}
+
 TEST(WriteSession, JoinsTheSensorsOfSeveralLogs) {
   const ScratchFolder folder;
   for (std::uint64_t l = 0; l < 2; ++l) {
@@ -438,6 +452,25 @@ TEST(WriteSession, ARecordingIsClosedByTakingItsLogAway) {
     EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 100u);
     EXPECT_FALSE(std::filesystem::exists(folder / "a"));
   }
+}
+
+// What the session does not hold is on the log alone, so it stays.
+TEST(WriteSession, ALogThatCouldNotBeReadWholeStaysBesideTheSession) {
+  const ScratchFolder folder;
+  {
+    EventLogWriter log(folder / "a", head_with(header_of(1)));
+    for (std::int64_t i = 0; i < 100; ++i) log.append(0, body_frame_of(i, 1));
+    log.finish();
+  }
+  std::string bytes = read_file(folder / "a");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+  std::ofstream(folder / "a", std::ios::binary) << bytes;
+  std::string left;
+  const LogsWritten written = close_recording({{folder / "a"}}, folder / "s.h5", left);
+  EXPECT_FALSE(written.whole());
+  EXPECT_EQ(left, "not all of the log could be read back");
+  EXPECT_TRUE(std::filesystem::exists(folder / "a"));
+  EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 99u);
 }
 
 }  // namespace

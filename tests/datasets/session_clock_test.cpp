@@ -164,6 +164,15 @@ TEST(SensorClock, AFrameThatIsLateAloneIsNoRestart) {
   EXPECT_NEAR((map(frames[701].stamp) - frames[701].exposure).seconds(), 0.0, 2e-4);
 }
 
+// Ten seconds and a few frames: those say nothing of the clock.
+TEST(SensorClock, AFewLateFramesBehindTheLastWindowAreNoBend) {
+  SimulatedClocks clocks{.seconds = 60.1};
+  auto frames = clocks.frames();
+  for (std::size_t i = frames.size() - 2; i < frames.size(); ++i) frames[i].stamp.arrival_ns += 400'000'000;
+  const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
+  EXPECT_LT(map.stamps.bend.seconds(), 0.002);
+}
+
 // Values up to 2^58 ns, also negative, in some of the stamps.
 TEST(SensorClock, WhateverStampsSayIsPlacedOrRefused) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {

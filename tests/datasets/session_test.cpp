@@ -270,6 +270,25 @@ TEST(Session, NoticesEndAtALimitAndTheRestIsRead) {
   ASSERT_EQ(notices.size(), kMaxSessionNotices);
   EXPECT_EQ(notices.front().text, "no frame");
   EXPECT_THAT(notices.back().text, HasSubstr("no more are stored"));
+  EXPECT_EQ(session.counts(0).notices_left_out, 0u);  // the writer stored no more
+  EXPECT_THAT(said_of(path), Not(HasSubstr("are left out")));
+}
+
+// Of several sensors one that sees somebody is enough, and one that was not asked says nothing.
+TEST(Session, SeesNobodyWhereFramesOfBodiesAreEmpty) {
+  const auto recorded = [&](const char* name, int bodies, bool second_has_frames) {
+    const auto path = scratch(name);
+    SessionWriter writer(path, header_of(2));
+    for (std::int64_t i = 0; i < 5; ++i) {
+      writer.add_body_frame(0, body_frame_of(i, 0));
+      if (second_has_frames) writer.add_body_frame(1, body_frame_of(i, bodies));
+    }
+    writer.finish();
+    return sees_nobody(SessionReader(path));
+  };
+  EXPECT_TRUE(recorded("nobody.h5", 0, true));
+  EXPECT_FALSE(recorded("somebody.h5", 1, true));
+  EXPECT_FALSE(recorded("nothing.h5", 0, false));
 }
 
 TEST(Session, VerifyRefusesLossesThatAreNoCounts) {

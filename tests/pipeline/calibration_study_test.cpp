@@ -13,9 +13,11 @@
 #include "datasets/base/units.h"
 #include "datasets/depth/depth_rays.h"
 #include "datasets/results/table.h"
+#include "evaluators/wand/find_wand.h"
 #include "pipeline/calibration_study/error_spread.h"
 #include "pipeline/calibration_study/wall_errors.h"
 #include "pipeline/calibration_study/wand_errors.h"
+#include "recorders/open_source.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/wand_sessions.h"
@@ -280,6 +282,18 @@ TEST(WandErrors, PlacesAreLeftOutInTurnAndKnownByOptiTrackOrByTheOtherSensors) {
     EXPECT_LT(recording.poses[0].position_m, 3.0 * std::sqrt(3.0) * recording.poses[0].position_sigma_m);
     EXPECT_TRUE(std::isnan(recording.poses[4].position_sigma_m));
   }
+}
+
+// It hangs free for its first three places of 1.8 s, and then somebody holds it.
+TEST(WandErrors, VirtualKinectsShowAWandToARecorder) {
+  const auto source = open_source("synthetic:1,depth=wand,duration=6,speed=max");
+  int found = 0, frames = 0;
+  const DepthRays rays = depth_rays(source->header().sensors[0].intrinsics);
+  while (const auto event = source->next())
+    if (const auto* frame = std::get_if<DepthFrame>(&event->data); frame && frames++ % 15 == 0)
+      found += find_wand({kDepthWidth, kDepthHeight, frame->depth_mm}, rays, {}).status == WandStatus::found;
+  EXPECT_EQ(frames, 180);
+  EXPECT_GE(found, 9);  // of twelve
 }
 
 // A tilted wall, exact but for the rounding to millimetres.

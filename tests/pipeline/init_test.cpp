@@ -166,6 +166,37 @@ TEST(Init, RunAgainAddsNewTakesAndKeepsWhatWasEdited) {
   EXPECT_EQ(read_file(own / "mapping.json"), mapping + "\n");
 }
 
+// "wall" and "wand", also with a number, but no name that only begins so; and what states distances.
+TEST(Init, RecordingsToCalibrateByAreKnownByTheirNames) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  for (const char* file : {"wand/session.h5", "wall_2m.h5", "wanda/session.h5", "ball/session.h5"}) {
+    std::filesystem::create_directories((own / file).parent_path());
+    std::filesystem::copy(own / "p01/walking.h5", own / file);
+  }
+  write_file(own / "ball/places.csv", "from_s,to_s,sensor,distance_m\n");
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("wall_2m.h5: a recording to calibrate by, by its name, and not a take"));
+  const Campaign campaign = read_campaign(own);
+  EXPECT_EQ(campaign.takes.size(), 3u);  // p01, p02, wanda
+  EXPECT_EQ(campaign.wand->session, own / "wand/session.h5");
+  ASSERT_EQ(campaign.walls.size(), 1u);
+  EXPECT_EQ(campaign.walls[0].session, own / "wall_2m.h5");
+  ASSERT_EQ(campaign.stated_distances.size(), 1u);
+  EXPECT_EQ(campaign.stated_distances[0].places, own / "ball/places.csv");
+  // again, with a wall more
+  std::filesystem::copy(own / "p01/walking.h5", own / "wall.h5");
+  ASSERT_EQ(run_trilat(folder, {"init", own.string()}).code, 0);
+  EXPECT_EQ(read_campaign(own).walls.size(), 2u);
+  EXPECT_EQ(read_campaign(own).takes.size(), 3u);
+  // of such recordings alone there is no campaign
+  std::filesystem::create_directories(folder / "walls");
+  std::filesystem::copy(own / "wall.h5", folder / "walls/wall.h5");
+  expect_refused(run_trilat(folder, {"init", folder / "walls"}),
+                 "holds recordings to calibrate by, and no take; `trilat run calibration");
+}
+
 TEST(Init, NamesATableBesideARecordingThatIsNotRead) {
   const ScratchFolder folder;
   const auto own = own_folder(folder);

@@ -169,7 +169,7 @@ TEST(SocketAddress, IsReadAsAPersonWritesIt) {
   EXPECT_TRUE(is_loopback(parse_address("localhost:1")));
   EXPECT_TRUE(is_loopback(parse_address("127.3.2.1:1")));
   EXPECT_FALSE(is_loopback(parse_address("127.0.0.1.example.org:1")));
-  for (const char* text : {"127.0.0.1", ":", "host:70000", "::1:80", "host:7x"})
+  for (const char* text : {"127.0.0.1", ":", "host:70000", "::1:80", "[::1:80", "::1]:80", "host:7x"})
     EXPECT_THAT(message_of([&] { parse_address(text); }), HasSubstr("must ")) << text;
 }
 

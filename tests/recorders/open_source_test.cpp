@@ -24,6 +24,7 @@ TEST(OpenSource, WrongTextsSayWhatWouldBeRight) {
   EXPECT_THAT(message("synthetic:4,colour=yes"), HasSubstr("no setting \"colour\"; it has seed, depth"));
   EXPECT_THAT(message("synthetic:4,depth"), HasSubstr("settings of a source are KEY=VALUE"));
   EXPECT_THAT(message("synthetic:4,depth=no,depth=yes"), HasSubstr("\"depth\" is set twice"));
+  EXPECT_THAT(message("synthetic:4,depth=all"), HasSubstr("depth must be yes, no or wand, is \"all\""));
   EXPECT_THAT(message("synthetic:4,drop=0.1"), HasSubstr("no setting \"drop\""));
 }
 
