@@ -19,10 +19,8 @@ SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "small", "par
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "small", "alignments": ["mean"],
          "methods": [{"method": "linear"}, {"method": "mean"}]}
 SWEEP = {"format": "trilat.study", "version": 1, "kind": "threshold_sweep", "name": "sweep", "seed": 1,
-         "rigs": [{"name": "mine", "heights_m": [0.6, 2.2, 0.9, 1.9], "radius_m": 2.0}], "joints": ["volume"],
-         "error_models": ["range_signed"], "threshold_units": ["cm2"], "gradients": ["corrected"],
-         "stops": ["objective"], "dampings": ["none"], "starts": ["linear"], "thresholds": [1, 1e-4],
-         "error_ranges_cm": [[0, 5]], "trials": 200}
+         "rigs": [{"name": "mine", "heights_m": [0.6, 2.2, 0.9, 1.9], "radius_m": 2.0}], "vary": {"threshold": [1, 1e-4], "error_cm": [[0, 5]]},
+         "trials": 200}
 
 Scenario = collections.namedtuple("Scenario", "name command inputs finished", defaults=("",))
 RUN = "run study.json --campaign campaign -o out --threads 1"

@@ -85,7 +85,7 @@ FigureSeries column_series(const WallRow& row, const std::vector<double>& error_
   return series;
 }
 
-// Of the recording whose wall is nearest to the paper's distance.
+// Columns of the recording whose wall is nearest to the paper's distance.
 Figure wall_figure(const CalibrationSummary& s) {
   const WallRow& nearest = *std::ranges::min_element(
       s.walls, {}, [](const WallRow& row) { return std::abs(row.distance_m - paper_calibration().wall_m); });

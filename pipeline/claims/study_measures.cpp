@@ -42,6 +42,21 @@ WeightedRatio errors_in(const WandRecording& recording, const WandZone& zone) {
 
 Measurements lacking_wand() { return lacking("a calibration study with a ball at stated distances"); }
 
+// Whether the last threshold but one is a compromise in a reading, at every error range: the last one takes
+// twice its steps, and the first one errs by a tenth more.
+bool is_compromise(const SweepSummary& s, std::size_t reading) {
+  constexpr double kMoreSteps = 2.0, kLessAccurate = 1.1;
+  const std::size_t last = s.thresholds - 1;
+  for (std::size_t range = 0; range < s.ranges; ++range) {
+    const SweepCell &first = s.cell(reading, 0, range), &chosen = s.cell(reading, last - 1, range),
+                    &smallest = s.cell(reading, last, range);
+    if (!(smallest.mean_iterations >= kMoreSteps * chosen.mean_iterations) ||
+        !(first.mae_m >= kLessAccurate * chosen.mae_m))
+      return false;
+  }
+  return true;
+}
+
 // Outcome of one reading of Table I.
 struct Reading {
   bool is_near = false;        // every error, as the mean distance or as the mean over axes
@@ -52,8 +67,8 @@ Reading judge(const SweepSummary& s, std::size_t reading, const PrintedTable1& p
   constexpr double kNear = 2.0, kAnswered = 0.9;
   Reading result{.is_compromise = is_compromise(s, reading)};
   std::array<bool, 2> near{true, true};
-  for (std::size_t range = 0; range < s.ranges.size(); ++range)
-    for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
+  for (std::size_t range = 0; range < s.ranges; ++range)
+    for (std::size_t t = 0; t < s.thresholds; ++t) {
       const SweepCell& cell = s.cell(reading, t, range);
       const double printed_m = paper.rows[t].error_cm[range] / kCentimetresPerMetre;
       const bool answers = static_cast<double>(cell.answered) >= kAnswered * static_cast<double>(cell.asked);
@@ -69,28 +84,26 @@ Reading judge(const SweepSummary& s, std::size_t reading, const PrintedTable1& p
 
 Measurements acceptable_readings(const SweepSummary& s) {
   const PrintedTable1 paper = printed_table1();
-  if (s.thresholds.size() != paper.rows.size() || s.ranges.size() != paper.ranges_cm.size() ||
-      s.thresholds.size() < 3)
+  if (s.thresholds != paper.rows.size() || s.ranges != paper.ranges_cm.size() || s.thresholds < 3)
     return lacking("a sweep over the thresholds and error ranges of Table I");
   struct Count {
     int near = 0, compromise = 0;
   } printed, corrected;
-  for (std::size_t r = 0; r < s.interpretations.size(); ++r) {
+  for (std::size_t r = 0; r < s.readings(); ++r) {
     const Reading reading = judge(s, r, paper);
     if (!reading.is_near) continue;
-    Count& count = s.interpretations[r].gradient == "printed" ? printed : corrected;
+    Count& count = s.cell(r, 0, 0).setting.gradient == "printed" ? printed : corrected;
     ++count.near;
     count.compromise += reading.is_compromise;
   }
   const int near = printed.near + corrected.near;
   if (near == 0) return lacking("a reading of Table I whose every error is that near the printed one");
-  return {
-      {.what = fmt::format(
-           "of {} acceptable readings of {}: {} of {} with equation 17 as printed, {} of {} corrected", near,
-           s.interpretations.size(), printed.compromise, printed.near, corrected.compromise, corrected.near),
-       .unit = "%",
-       .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
-       .over = "readings, all of them listed"}};
+  return {{.what = fmt::format(
+               "of {} acceptable readings of {}: {} of {} with equation 17 as printed, {} of {} corrected",
+               near, s.readings(), printed.compromise, printed.near, corrected.compromise, corrected.near),
+           .unit = "%",
+           .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
+           .over = "readings, all of them listed"}};
 }
 
 Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s) {

@@ -53,6 +53,23 @@ Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) 
   return campaign;
 }
 
+OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
+  const SweepSpec spec = parse_sweep(study, arguments.study.string());
+  const std::size_t cells = spec.cells.size();
+  return opened(
+      sweep_study(spec),
+      {{"study", resolved_json(spec)},
+       {"simulated", true},
+       {"cells", cells},
+       {"trials", cells * spec.trials},
+       {"skipped", spec.skipped}},
+      fmt::format("study {} (simulated): {} rigs, {} thresholds, {} error ranges and {} other choices = {} "
+                  "cells x {} trials = {} trials; {} combinations are skipped",
+                  spec.name, spec.rigs.size(), spec.thresholds.size(), spec.ranges_m.size(),
+                  cells / (spec.rigs.size() * spec.thresholds.size() * spec.ranges_m.size()), cells,
+                  spec.trials, cells * spec.trials, spec.skipped));
+}
+
 // A study of the campaign's recordings.
 template <class Spec>
 OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, const Campaign& campaign,
@@ -147,7 +164,7 @@ const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
       {StudyKind::accuracy, "takes", "", open_accuracy, print_accuracy, accuracy_schema},
       {StudyKind::threshold_sweep, "items",
-       "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_sweep,
+       "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_tables,
        sweep_schema},
       {StudyKind::calibration, "items", "", open_calibration, print_calibration, calibration_study_schema},
       {StudyKind::clocks, "items", "", open_clocks, print_tables, clocks_schema}};

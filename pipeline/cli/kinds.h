@@ -79,8 +79,6 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign);
 
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
 int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown);
-OpenedStudy open_sweep(const RunArguments& arguments, const Json& study);
-int print_sweep(const std::filesystem::path& results, Json document, const Shown& shown);
 
 Json accuracy_schema();
 Json sweep_schema();

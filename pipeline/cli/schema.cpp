@@ -142,9 +142,11 @@ Json accuracy_schema() {
 Json sweep_schema() {
   return schema_of({study("threshold_sweep", R"({"rigs": [{"name": "circle", "heights_m": [1, 2, 1, 2]},
          {"name": "positions", "sensors_m": [[0, 1, 0], [2, 1, 0], [0, 1, 2]]}],
-         "joints": ["centre"], "error_models": ["gaussian"], "threshold_units": ["cm2"], "gradients": ["printed"],
-         "curvatures": ["newton"], "stops": ["step"], "dampings": ["none"], "starts": ["linear"], "thresholds": [1],
-         "error_ranges_cm": [[0, 5]]})")},
+         "solver": {"threshold": 1, "error_cm": [0, 5]},
+         "vary": {"joint": ["centre"], "error_model": ["gaussian"], "threshold_unit": ["cm2"], "gradient": ["printed"],
+         "curvature": ["gauss_newton"], "stop": ["step"], "damping": ["none"], "start": ["linear"]}})"),
+                    study("threshold_sweep", R"({"rigs": [{"name": "circle", "heights_m": [1, 2, 1, 2]}],
+         "solver": {"joint": "centre"}, "vary": {"threshold": [1], "error_cm": [[0, 5]]}})")},
                    [](const Json& json) { parse_sweep(json, "example"); });
 }
 

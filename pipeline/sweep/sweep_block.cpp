@@ -166,19 +166,8 @@ void copy_lanes(const LaneRows& from, const std::vector<std::size_t>& lanes, std
 
 }  // namespace
 
-SweepCellSolver solver_of(const SweepPlan& plan, const SweepCellPlace& place) {
-  const SweepReading& reading = plan.readings[place.reading];
-  SweepCellSolver cell;
-  cell.trials = trials_of(plan, place);
-  cell.options = options_of(plan, place);
-  cell.start = reading.start;
-  cell.has_hint = reading.has_hint;
-  cell.plane = reading.plane;
-  cell.sensors.count = cell.trials.sensors;
-  for (int i = 0; i < cell.sensors.count; ++i) {
-    const auto& s = cell.trials.sensor_m[static_cast<std::size_t>(i)];
-    cell.sensors.sensor_m[i] = {s[0], s[1], s[2]};
-  }
+SweepCellSolver solver_of(const SweepTrials& trials) {
+  SweepCellSolver cell{trials, false, {}};
   const bool thick = cell.plane.scatter_m2[0] > kLeastThickness * cell.plane.scatter_m2[2];
   cell.straight = thick && cell.options.damping == Damping::none && cell.start != SweepStart::squared_ranges;
   if (cell.straight && cell.start == SweepStart::linear) cell.linear = linear_start(cell.sensors);
@@ -192,19 +181,19 @@ SweepBlock::SweepBlock(int sensors)
       mean_m_(3, kBlockTrials) {}
 
 void SweepBlock::make_trials(const SweepCellSolver& cell, std::uint64_t first_trial, std::size_t count) {
-  TRILAT_CHECK(count <= kBlockTrials && cell.trials.sensors == sensors(), "a block has room for its trials");
+  TRILAT_CHECK(count <= kBlockTrials && cell.model.sensors == sensors(), "a block has room for its trials");
   batch_.count = count;
   problems_are_made_ = false;
   for (std::size_t i = 0; i < static_cast<std::size_t>(sensors()); ++i)
     for (std::size_t axis = 0; axis < 3; ++axis)
       batch_.sensor_m.row(3 * i + axis)[0] = unfinished_.sensor_m.row(3 * i + axis)[0] =
-          cell.trials.sensor_m[i][axis];
+          cell.model.sensor_m[i][axis];
   RangeTrialRows rows;
   rows.stride = truth_m_.stride();
   rows.truth_m = truth_m_.row(0);
   rows.range_m = batch_.range_m.row(0);
   if (cell.has_hint) rows.mean_m = mean_m_.row(0);
-  make_range_trials(cell.trials, first_trial, count, rows);
+  make_range_trials(cell.model, first_trial, count, rows);
 }
 
 std::span<const RangeProblem> SweepBlock::problems(const SweepCellSolver& cell) {

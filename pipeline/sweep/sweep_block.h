@@ -9,7 +9,7 @@
 
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
-#include "pipeline/sweep/sweep_plan.h"
+#include "pipeline/sweep/sweep_spec.h"
 #include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
@@ -69,7 +69,7 @@ struct SweepSums {
   void add_outcomes(const SweepOutcomeRows& rows);
   void add(const SweepSums& later);
 };
-// Everything but the cell's place.
+// Everything but the cell's setting.
 SweepCell cell_of(const SweepSums& sums);
 
 // Linear trilateration of a rig that does not move: its equations hold the squared ranges on the right side
@@ -89,19 +89,13 @@ LinearStart linear_start(const RangeProblem& problem);
 
 inline constexpr std::size_t kBlockTrials = 512;
 
-// The trials of one cell: how they are made, started and solved.
-struct SweepCellSolver {
-  RangeTrialModel trials;
-  NonlinearOptions options;
-  SweepStart start = SweepStart::linear;
-  bool has_hint = false;
-  SensorPlane plane;
-  RangeProblem sensors;  // without ranges
+// The trials of one cell, and by what they are solved.
+struct SweepCellSolver : SweepTrials {
   // One undamped descent straight from the rows of trials; otherwise solve_nonlinear() one by one.
   bool straight = false;
   LinearStart linear;  // when straight and so started
 };
-SweepCellSolver solver_of(const SweepPlan& plan, const SweepCellPlace& place);
+SweepCellSolver solver_of(const SweepTrials& trials);
 
 // Room for a block of trials with so many sensors; one is used by one thread at a time.
 class SweepBlock {

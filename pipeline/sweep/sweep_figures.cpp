@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <functional>
-#include <numeric>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -10,7 +10,6 @@
 #include "datasets/base/units.h"
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/sweep/sweep_tables.h"
-#include "pipeline/sweep/table1.h"
 
 namespace trilat {
 namespace {
@@ -18,36 +17,30 @@ namespace {
 constexpr const char* kThePapers = "the paper's";
 constexpr std::size_t kMostPanels = 12, kMostLines = 6;
 
-// A choice that readings differ in.
-using Setting = std::string SweepInterpretation::*;
-constexpr Setting kPanelSettings[] = {&SweepInterpretation::rig, &SweepInterpretation::error_model};
-constexpr std::pair<const char*, Setting> kLineSettings[] = {
-    {"joint", &SweepInterpretation::joint},       {"C in", &SweepInterpretation::threshold_unit},
-    {"gradient", &SweepInterpretation::gradient}, {"curvature", &SweepInterpretation::curvature},
-    {"stop", &SweepInterpretation::stop},         {"damping", &SweepInterpretation::damping},
-    {"start", &SweepInterpretation::start}};
-
-bool differs(const SweepSummary& s, const std::vector<std::size_t>& readings, Setting setting) {
-  return std::ranges::any_of(readings, [&](std::size_t r) {
-    return s.interpretations[r].*setting != s.interpretations[readings.front()].*setting;
-  });
+const SweepSetting& setting_of(const SweepSummary& s, std::size_t reading) {
+  return s.cell(reading, 0, 0).setting;
 }
 
-std::string panel_of(const SweepSummary& s, const std::vector<std::size_t>& readings, std::size_t reading,
-                     const SweepSummary::ErrorRange& range) {
+bool differs(const SweepSummary& s, std::string SweepSetting::*word) {
+  return std::ranges::any_of(
+      s.cells, [&](const SweepCell& cell) { return cell.setting.*word != s.cells.front().setting.*word; });
+}
+
+// A panel has one rig, error model and range of errors; a line the other choices that readings differ in.
+std::string panel_of(const SweepSummary& s, const SweepSetting& setting) {
   std::vector<std::string> parts;
-  for (const Setting setting : kPanelSettings)
-    if (differs(s, readings, setting)) parts.push_back(s.interpretations[reading].*setting);
-  parts.push_back(
-      fmt::format("{:g}-{:g} cm", range.low_m * kCentimetresPerMetre, range.high_m * kCentimetresPerMetre));
+  for (const auto word : {&SweepSetting::rig, &SweepSetting::error_model})
+    if (differs(s, word)) parts.push_back(setting.*word);
+  parts.push_back(fmt::format("{:g}-{:g} cm", setting.error_low_m * kCentimetresPerMetre,
+                              setting.error_high_m * kCentimetresPerMetre));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::string line_of(const SweepSummary& s, const std::vector<std::size_t>& readings, std::size_t reading) {
+std::string line_of(const SweepSummary& s, const SweepSetting& setting) {
   std::vector<std::string> parts;
-  for (const auto& [name, setting] : kLineSettings)
-    if (differs(s, readings, setting))
-      parts.push_back(fmt::format("{} {}", name, s.interpretations[reading].*setting));
+  for (const SweepChoice& choice : sweep_choices())
+    if (choice.word != &SweepSetting::error_model && differs(s, choice.word))
+      parts.push_back(fmt::format("{} {}", heading_of(choice), setting.*choice.word));
   return parts.empty() ? std::string("simulated") : fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -90,12 +83,6 @@ std::vector<Quantity> quantities(const SweepSummary& s, const SweepTimings& timi
   return all;
 }
 
-std::string unit_of_threshold(const SweepSummary& s, const std::vector<std::size_t>& readings) {
-  return differs(s, readings, &SweepInterpretation::threshold_unit)
-             ? std::string("as stated")
-             : s.interpretations[readings.front()].threshold_unit;
-}
-
 // The paper's numbers, if the sweep has its grid.
 std::optional<PrintedTable1> papers(const SweepSummary& s) {
   PrintedTable1 paper = printed_table1();
@@ -114,21 +101,21 @@ FigureSeries paper_series(const PrintedTable1& paper, const Quantity& quantity, 
 }
 
 Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
-  std::vector<std::size_t> readings(s.interpretations.size());
-  std::iota(readings.begin(), readings.end(), std::size_t{0});
   const std::optional<PrintedTable1> paper = papers(s);
   Figure figure;
   figure.id = quantity.id;
   figure.title = std::string(quantity.title) + " (simulated)";
-  figure.x_label = fmt::format("stopping threshold C ({})", unit_of_threshold(s, readings));
+  figure.x_label =
+      fmt::format("stopping threshold C ({})",
+                  differs(s, &SweepSetting::threshold_unit) ? "as stated" : setting_of(s, 0).threshold_unit);
   figure.y_label = quantity.y_label;
   figure.log_x = true;
   figure.log_y = quantity.logarithmic;
   std::set<std::string> lines, left_out;
-  for (const std::size_t reading : readings)
-    for (std::size_t r = 0; r < s.ranges.size(); ++r) {
-      const std::string panel = panel_of(s, readings, reading, s.ranges[r]),
-                        line = line_of(s, readings, reading);
+  for (std::size_t reading = 0; reading < s.readings(); ++reading)
+    for (std::size_t r = 0; r < s.ranges; ++r) {
+      const SweepSetting& setting = s.cell(reading, 0, r).setting;
+      const std::string panel = panel_of(s, setting), line = line_of(s, setting);
       auto place = std::ranges::find(figure.panels, panel);
       if ((place == figure.panels.end() && figure.panels.size() == kMostPanels) ||
           (!lines.contains(line) && lines.size() == kMostLines)) {
@@ -143,9 +130,9 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
       }
       FigureSeries series{line, FigureSeries::Style::band, {}};
       series.panel = static_cast<std::size_t>(place - figure.panels.begin());
-      for (std::size_t t = 0; t < s.thresholds.size(); ++t) {
+      for (std::size_t t = 0; t < s.thresholds; ++t) {
         FigurePoint point = quantity.of(s.cell(reading, t, r));
-        point.x = s.thresholds[t];
+        point.x = s.cell(reading, t, r).setting.threshold;
         series.points.push_back(point);
       }
       std::ranges::sort(series.points, {}, &FigurePoint::x);

@@ -4,18 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
 #include "datasets/base/settings.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
-#include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {
 namespace {
@@ -129,68 +126,9 @@ std::vector<SweepRig> read_rigs(JsonObject& object, const std::string& key) {
 constexpr const char* kFormat = "trilat.study";
 constexpr std::uint64_t kMostTrials = 1'000'000'000'000;
 constexpr std::uint64_t kMostTimed = 1'000'000;
+constexpr std::size_t kMostCells = 50'000;
+constexpr double kMostTrialsInAll = 0x1p53;
 constexpr double kLargestError_cm = 1e5;
-
-using Words = std::vector<std::string>;
-const Words kJoints{"centre", "volume"};
-const Words kErrors{"range_signed", "displacement", "gaussian"};
-const Words kUnits{"cm2", "m2"};
-const Words kGradients{"printed", "corrected"};
-const Words kCurvatures{"gauss_newton", "newton"};
-const Words kStops{"printed", "objective", "step"};
-const Words kDampings{"none", "lm"};
-const Words kStarts{"linear", "squared_ranges"};
-
-template <class Enum>
-std::string word(const Words& words, Enum choice) {
-  return words.at(static_cast<std::size_t>(choice));
-}
-
-[[noreturn]] void refuse_entry(const JsonObject& object, const char* key, std::size_t i,
-                               const std::string& problem) {
-  throw InputError(fmt::format("{}/{}", object.place_of(key), i), problem);
-}
-
-// A list of different words, each of which is known.
-template <class Enum>
-void tell_choices(Settings& s, const char* key, const Words& known, std::vector<Enum>& choices,
-                  const char* meaning) {
-  JsonObject* object = s.reading();
-  if (object && object->has(key)) {
-    const Words words = object->texts(key);
-    if (words.empty())
-      object->refuse(key, fmt::format("must name at least one of: {}", fmt::join(known, ", ")));
-    if (const std::string twice = first_repeated(words); !twice.empty())
-      object->refuse(key, "has \"" + twice + "\" twice");
-    choices.clear();
-    object->words(key, known);
-    for (const std::string& word : words) {
-      const auto found = std::ranges::find(known, word);
-      if (found == known.end())
-        object->refuse(key, fmt::format("has \"{}\"; {}", word, known_names(word, known)));
-      choices.push_back(static_cast<Enum>(found - known.begin()));
-    }
-  }
-  if (object) object->about({{key, meaning}});
-  Json words = Json::array();
-  for (const Enum choice : choices) words.push_back(word(known, choice));
-  s.write(key, words);
-}
-
-void read_thresholds(JsonObject& object, std::vector<double>& thresholds) {
-  const char* key = "thresholds";
-  if (!object.has(key)) return;
-  if (!object.value(key).is_array()) object.refuse(key, "must be a list of numbers above 0");
-  thresholds = object.numbers(key, object.value(key).size());
-  if (thresholds.empty()) object.refuse(key, "must hold at least one threshold");
-  for (std::size_t i = 0; i < thresholds.size(); ++i) {
-    if (!(thresholds[i] > 0.0))
-      refuse_entry(object, key, i, fmt::format("must be greater than 0, is {}", thresholds[i]));
-    if (std::find(thresholds.begin(), thresholds.begin() + static_cast<std::ptrdiff_t>(i), thresholds[i]) !=
-        thresholds.begin() + static_cast<std::ptrdiff_t>(i))
-      object.refuse(key, fmt::format("has {} twice", thresholds[i]));
-  }
-}
 
 // Centimetres as they were written: 7 cm are not 7.000000000000001.
 double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
@@ -199,79 +137,204 @@ double as_written_m(double length_cm) {
   return centimetres(length_cm * kMetresPerCentimetre) * kMetresPerCentimetre;
 }
 
-SweepSummary::ErrorRange read_range(const JsonObject& object, const char* key, std::size_t i,
-                                    const Json& value) {
+std::array<double, 2> read_range(const std::string& place, const Json& value) {
+  const auto refuse = [&](const std::string& problem) { throw InputError(place, problem); };
   if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
-    refuse_entry(object, key, i, "must be an array of two numbers, as in [5, 15]");
+    refuse("must be an array of two numbers, as in [5, 15]");
   const double low_cm = value[0].get<double>(), high_cm = value[1].get<double>();
-  if (low_cm < 0.0) refuse_entry(object, key, i, fmt::format("must not be below 0, is {}", value.dump()));
-  if (low_cm > high_cm)
-    refuse_entry(object, key, i, fmt::format("must have the smaller error first, is {}", value.dump()));
-  if (high_cm > kLargestError_cm)
-    refuse_entry(object, key, i, fmt::format("must stay within {} cm", kLargestError_cm));
+  if (low_cm < 0.0) refuse(fmt::format("must not be below 0, is {}", value.dump()));
+  if (low_cm > high_cm) refuse(fmt::format("must have the smaller error first, is {}", value.dump()));
+  if (high_cm > kLargestError_cm) refuse(fmt::format("must stay within {} cm", kLargestError_cm));
   return {as_written_m(low_cm), as_written_m(high_cm)};
 }
 
-void read_ranges(JsonObject& object, std::vector<SweepSummary::ErrorRange>& ranges) {
-  const char* key = "error_ranges_cm";
-  if (!object.has(key)) return;
+double read_threshold(const std::string& place, const Json& value) {
+  if (!value.is_number() || !(value.get<double>() > 0.0))
+    throw InputError(place, fmt::format("must be a number greater than 0, is {}", value.dump()));
+  return value.get<double>();
+}
+
+// The values under a key of "vary", each read by `read`; no two alike.
+template <class Value>
+std::vector<Value> read_values(JsonObject& object, const char* key,
+                               Value (*read)(const std::string&, const Json&)) {
   const Json& values = object.value(key);
-  object.shape(key, R"({"type": "array", "items": {"type": "array", "items": {"type": "number"},
-      "minItems": 2, "maxItems": 2}, "minItems": 1})");
-  if (!values.is_array() || values.empty()) object.refuse(key, "must hold at least one [low, high]");
-  ranges.clear();
+  if (!values.is_array() || values.empty()) object.refuse(key, "must be a list of at least one value");
+  std::vector<Value> all;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    ranges.push_back(read_range(object, key, i, values[i]));
-    for (std::size_t before = 0; before < i; ++before)
-      if (values[before] == values[i]) object.refuse(key, "has " + values[i].dump() + " twice");
+    all.push_back(read(fmt::format("{}/{}", object.place_of(key), i), values[i]));
+    if (std::ranges::count(all, all.back()) > 1) object.refuse(key, "has " + values[i].dump() + " twice");
+  }
+  return all;
+}
+
+constexpr const char* kRangeShape =
+    R"({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2})";
+
+SweepSetting read_solver(JsonObject object) {
+  SweepSetting solver;
+  for (const SweepChoice& choice : sweep_choices()) {
+    std::string& word = solver.*choice.word;
+    const auto usual = std::ranges::find(choice.known, word) - choice.known.begin();
+    word = choice.known[object.choice(choice.key, choice.known, static_cast<std::size_t>(usual))];
+    object.about({{choice.key, choice.meaning}});
+  }
+  if (object.has("threshold"))
+    solver.threshold = read_threshold(object.place_of("threshold"), object.value("threshold"));
+  if (object.has("error_cm")) {
+    const auto range_m = read_range(object.place_of("error_cm"), object.value("error_cm"));
+    solver.error_low_m = range_m[0];
+    solver.error_high_m = range_m[1];
+  }
+  object.shape("threshold", R"({"type": "number", "exclusiveMinimum": 0})");
+  object.shape("error_cm", kRangeShape);
+  object.about({{"threshold", "C, in its unit"}, {"error_cm", "[low, high] of the measurement errors"}});
+  object.finish();
+  return solver;
+}
+
+std::vector<std::string> read_words(JsonObject& object, const SweepChoice& choice) {
+  const std::vector<std::string> words = object.texts(choice.key);
+  if (words.empty())
+    object.refuse(choice.key, fmt::format("must name at least one of: {}", fmt::join(choice.known, ", ")));
+  if (const std::string twice = first_repeated(words); !twice.empty())
+    object.refuse(choice.key, "has \"" + twice + "\" twice");
+  object.words(choice.key, choice.known);
+  for (const std::string& word : words)
+    if (std::ranges::find(choice.known, word) == choice.known.end())
+      object.refuse(choice.key, fmt::format("has \"{}\"; {}", word, known_names(word, choice.known)));
+  return words;
+}
+
+// `solver`: the object of that key, whose keys must be others.
+void read_vary(JsonObject object, const Json& solver, SweepSpec& spec) {
+  for (const std::string& key : object.keys())
+    if (solver.contains(key)) object.refuse(key, "is also in \"solver\"; a value is constant or varies");
+  for (const SweepChoice& choice : sweep_choices()) {
+    if (object.has(choice.key)) spec.varied.emplace_back(&choice, read_words(object, choice));
+    object.about({{choice.key, choice.meaning}});
+  }
+  if (object.has("threshold")) spec.thresholds = read_values<double>(object, "threshold", read_threshold);
+  if (object.has("error_cm"))
+    spec.ranges_m = read_values<std::array<double, 2>>(object, "error_cm", read_range);
+  object.shape("threshold", R"({"type": "array", "items": {"type": "number", "exclusiveMinimum": 0}})");
+  object.shape("error_cm", fmt::format(R"({{"type": "array", "items": {}}})", kRangeShape).c_str());
+  object.about({{"threshold", "values of C"}, {"error_cm", "ranges of the measurement errors"}});
+  object.finish();
+}
+
+RangeProblem unit_problem(const SweepRig& rig) {
+  RangeProblem problem = problem_at(rig.sensors_m);
+  for (int i = 0; i < problem.count; ++i) problem.range_m[i] = 1.0;
+  return problem;
+}
+
+bool makes_sense(const SweepSpec& spec, const SweepSetting& s, const SweepRig& rig) {
+  const SweepTrials trials = trials_of(spec, s);
+  if (!contradiction_in(trials.options).empty()) return false;
+  if (trials.start == SweepStart::linear && !linear_position_m(unit_problem(rig), trials.options.linear))
+    return false;
+  if (s.stop != "step" || s.gradient == "printed") return true;
+  for (const auto& [choice, words] : spec.varied)
+    if (choice->word == &SweepSetting::threshold_unit) return s.threshold_unit == words.front();
+  return true;
+}
+
+// Every combination; rigs vary slowest, ranges of errors quickest.
+void make_cells(SweepSpec& spec) {
+  for (const SweepRig& rig : spec.rigs) {
+    std::vector<SweepSetting> readings{spec.solver};
+    readings.front().rig = rig.name;
+    for (const auto& [choice, words] : spec.varied) {
+      std::vector<SweepSetting> longer;
+      for (const SweepSetting& setting : readings)
+        for (const std::string& word : words) longer.emplace_back(setting).*choice->word = word;
+      readings = std::move(longer);
+    }
+    for (SweepSetting setting : readings) {
+      if (!makes_sense(spec, setting, rig)) {
+        ++spec.skipped;
+        continue;
+      }
+      for (const double threshold : spec.thresholds)
+        for (const auto& [low_m, high_m] : spec.ranges_m) {
+          setting.threshold = threshold;
+          setting.error_low_m = low_m;
+          setting.error_high_m = high_m;
+          spec.cells.push_back(setting);
+        }
+    }
   }
 }
 
-}  // namespace
+void check_size(const SweepSpec& spec, const std::string& place) {
+  if (spec.cells.empty())
+    throw InputError(
+        place + " /vary",
+        fmt::format("leaves nothing to compute: each of the {} combinations contradicts itself "
+                    "(printed gradient with damping lm, newton without lm, a linear start for "
+                    "sensors in one plane or fewer than four); name another value, or a rig that "
+                    "has it",
+                    spec.skipped));
+  if (spec.cells.size() > kMostCells)
+    throw InputError(place + " /vary", fmt::format("asks for {} cells in all; at most {} can be kept",
+                                                   spec.cells.size(), kMostCells));
+  if (static_cast<double>(spec.trials) * static_cast<double>(spec.cells.size()) > kMostTrialsInAll)
+    throw InputError(place + " /trials",
+                     fmt::format("is {}, which with {} cells is more than 2^53 trials in all", spec.trials,
+                                 spec.cells.size()));
+}
 
-std::string word_of(TrialJoint joint) { return word(kJoints, joint); }
-std::string word_of(TrialError error) { return word(kErrors, error); }
-std::string word_of(ThresholdUnit unit) { return word(kUnits, unit); }
-std::string word_of(Gradient gradient) { return word(kGradients, gradient); }
-std::string word_of(Curvature curvature) { return word(kCurvatures, curvature); }
-std::string word_of(StopRule stop) { return word(kStops, stop); }
-std::string word_of(Damping damping) { return word(kDampings, damping); }
-std::string word_of(SweepStart start) { return word(kStarts, start); }
-
-namespace {
-
-void tell(Settings& s, SweepSpec& spec) {
-  JsonObject* object = s.reading();
-  tell_choices(s, "joints", kJoints, spec.joints, "at the centre of the rig, or anywhere in it");
-  tell_choices(s, "error_models", kErrors, spec.error_models,
-               "of ranges, or of the joint as a sensor sees it");
-  tell_choices(s, "threshold_units", kUnits, spec.threshold_units, "in which C is counted");
-  tell_choices(s, "gradients", kGradients, spec.gradients, "as printed (eq. 17) or corrected");
-  tell_choices(s, "curvatures", kCurvatures, spec.curvatures, "of the step");
-  tell_choices(s, "stops", kStops, spec.stops,
-               "the rule: as printed (eq. 19), of the objective, or of the step");
-  tell_choices(s, "dampings", kDampings, spec.dampings, "of the step");
-  tell_choices(s, "starts", kStarts, spec.starts, "of the descent");
-  if (object) {
-    read_thresholds(*object, spec.thresholds);
-    read_ranges(*object, spec.ranges);
-    object->about({{"thresholds", "C, in each unit"}, {"error_ranges_cm", "[low, high] of the errors"}});
-  }
-  Json ranges = Json::array();
-  for (const auto& range : spec.ranges)
-    ranges.push_back({centimetres(range.low_m), centimetres(range.high_m)});
-  s.write("thresholds", spec.thresholds);
-  s.write("error_ranges_cm", ranges);
+void tell_counts(Settings& s, SweepSpec& spec) {
   s("trials", spec.trials, {1, kMostTrials}, "of each cell");
   s("seed", spec.seed, "of every random number");
   s("max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
   s("time_problems", spec.time_problems, {0, kMostTimed},
     "problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
-    "counts; 0: the "
-    "run's own times are shown");
+    "counts; 0: the run's own times are shown");
+}
+
+// Root mean square of the range errors of a cell's trials.
+double range_rms_m(TrialError error, double low, double high) {
+  const double rms_m = std::sqrt((low * low + low * high + high * high) / 3.0);
+  switch (error) {
+    case TrialError::range_signed:
+      return rms_m;
+    case TrialError::displacement:
+      return rms_m / std::sqrt(3.0);
+    case TrialError::gaussian:
+      return 0.5 * (low + high) * std::sqrt(0.5 * std::numbers::pi);
+  }
+  TRILAT_CHECK(false, "an error model is one of the three");
+}
+
+// The value of an enum whose words a choice lists in its order.
+template <class Enum>
+Enum value_of(const SweepSetting& setting, std::string SweepSetting::*word) {
+  const auto choice = std::ranges::find(sweep_choices(), word, &SweepChoice::word);
+  return static_cast<Enum>(std::ranges::find(choice->known, setting.*word) - choice->known.begin());
 }
 
 }  // namespace
+
+const std::vector<SweepChoice>& sweep_choices() {
+  static const std::vector<SweepChoice> choices{
+      {"joint", &SweepSetting::joint, {"centre", "volume"}, "at the centre of the rig, or anywhere in it"},
+      {"error_model",
+       &SweepSetting::error_model,
+       {"range_signed", "displacement", "gaussian"},
+       "of ranges, or of the joint as a sensor sees it"},
+      {"threshold_unit", &SweepSetting::threshold_unit, {"cm2", "m2"}, "in which C is counted"},
+      {"gradient", &SweepSetting::gradient, {"printed", "corrected"}, "as printed (eq. 17) or corrected"},
+      {"curvature", &SweepSetting::curvature, {"gauss_newton", "newton"}, "of the step"},
+      {"stop",
+       &SweepSetting::stop,
+       {"printed", "objective", "step"},
+       "the rule: as printed (eq. 19), of the objective, or of the step"},
+      {"damping", &SweepSetting::damping, {"none", "lm"}, "of the step"},
+      {"start", &SweepSetting::start, {"linear", "squared_ranges"}, "of the descent"}};
+  return choices;
+}
 
 SweepSpec parse_sweep(const Json& json, const std::string& place) {
   JsonObject object(json, place, "");
@@ -280,25 +343,79 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   object.choice("kind", {"threshold_sweep"});
   spec.name = object.text("name");
   if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
-  spec.rigs = read_rigs(object, "rigs");
-  object.about({{"name", "of the study"}, {"rigs", "each with its sensors"}});
   object.removed("digits_trials", "tests hold the solvers against Ceres");
   object.removed("time_repeats", "of three rounds the fastest counts");
   object.removed("search", "scripts/fit_paper ranks readings of Table I");
+  for (const char* key : {"joints", "error_models", "threshold_units", "gradients", "curvatures", "stops",
+                          "dampings", "starts", "thresholds", "error_ranges_cm"})
+    object.removed(key,
+                   "what is constant stands in \"solver\", as {\"stop\": \"objective\"}, and what varies in "
+                   "\"vary\", as {\"gradient\": [\"printed\", \"corrected\"], \"threshold\": [1, 1e-4]}");
+  spec.rigs = read_rigs(object, "rigs");
+  const Json nothing = Json::object();
+  const bool has_solver = object.has("solver");
+  if (has_solver) spec.solver = read_solver(object.object("solver"));
+  if (object.has("vary"))
+    read_vary(object.object("vary"), has_solver ? object.value("solver") : nothing, spec);
+  if (spec.thresholds.empty()) spec.thresholds = {spec.solver.threshold};
+  if (spec.ranges_m.empty()) spec.ranges_m = {{spec.solver.error_low_m, spec.solver.error_high_m}};
+  object.about({{"name", "of the study"},
+                {"rigs", "each with its sensors"},
+                {"solver", "the setting of every cell, but for what varies"},
+                {"vary", "keys of it with a list of values: every combination is a cell"}});
   Settings settings(object);
-  tell(settings, spec);
+  tell_counts(settings, spec);
   object.finish();
+  make_cells(spec);
+  check_size(spec, place);
   return spec;
 }
 
-Json resolved_json(SweepSpec spec) {
+Json resolved_json(const SweepSpec& given) {
+  SweepSpec spec = given;
   Json json{{"format", kFormat}, {"version", 1}, {"kind", "threshold_sweep"}, {"name", spec.name}};
-  json["rigs"] = Json::array();
   for (const SweepRig& rig : spec.rigs)
     json["rigs"].push_back({{"name", rig.name}, {"sensors_m", rig.sensors_m}});
+  json["solver"] = Json::object();
+  json["vary"] = {{"threshold", spec.thresholds}, {"error_cm", Json::array()}};
+  for (const auto& [low_m, high_m] : spec.ranges_m)
+    json["vary"]["error_cm"].push_back({centimetres(low_m), centimetres(high_m)});
+  for (const SweepChoice& choice : sweep_choices()) json["solver"][choice.key] = spec.solver.*choice.word;
+  for (const auto& [choice, words] : spec.varied) {
+    json["solver"].erase(choice->key);
+    json["vary"][choice->key] = words;
+  }
   Settings settings(json);
-  tell(settings, spec);
+  tell_counts(settings, spec);
   return json;
+}
+
+SweepTrials trials_of(const SweepSpec& spec, const SweepSetting& s) {
+  const SweepRig& rig = *std::ranges::find(spec.rigs, s.rig, &SweepRig::name);
+  const bool is_cm = s.threshold_unit == "cm2";
+  SweepTrials t;
+  t.sensors = problem_at(rig.sensors_m);
+  t.plane = plane_of(t.sensors);
+  t.start = value_of<SweepStart>(s, &SweepSetting::start);
+  t.model.seed = spec.seed;
+  t.model.sensors = t.sensors.count;
+  for (std::size_t i = 0; i < rig.sensors_m.size(); ++i) t.model.sensor_m[i] = rig.sensors_m[i];
+  t.model.joint = value_of<TrialJoint>(s, &SweepSetting::joint);
+  t.model.error = value_of<TrialError>(s, &SweepSetting::error_model);
+  t.model.low_m = s.error_low_m;
+  t.model.high_m = s.error_high_m;
+  NonlinearOptions& o = t.options;
+  o.gradient = value_of<Gradient>(s, &SweepSetting::gradient);
+  o.curvature = value_of<Curvature>(s, &SweepSetting::curvature);
+  o.stop = value_of<StopRule>(s, &SweepSetting::stop);
+  o.damping = value_of<Damping>(s, &SweepSetting::damping);
+  o.max_iterations = static_cast<int>(spec.max_iterations);
+  o.printed_unit_m = is_cm ? kMetresPerCentimetre : 1.0;
+  o.threshold_m2 = s.threshold * (is_cm ? kSquareMetresPerSquareCentimetre : 1.0);
+  o.start = t.start == SweepStart::linear ? Start::linear : Start::squared_ranges;
+  o.range_sigma_m = range_rms_m(t.model.error, s.error_low_m, s.error_high_m);
+  t.has_hint = t.plane.exact || o.damping == Damping::lm;
+  return t;
 }
 
 }  // namespace trilat

@@ -15,8 +15,6 @@
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/sweep/sweep_block.h"
-#include "pipeline/sweep/sweep_plan.h"
-#include "pipeline/sweep/sweep_summary.h"
 #include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {
@@ -24,18 +22,25 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// An item has no more trials than that, some seconds, unless a single cell has more.
+constexpr std::uint64_t kItemTrials = std::uint64_t{1} << 22;
+
 double us_since(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
+SweepCellSolver solver_at(const SweepSpec& spec, std::size_t cell) {
+  return solver_of(trials_of(spec, spec.cells[cell]));
+}
+
 // Microseconds a solve of the first problems of a cell, one after the other, each with its start.
-double scalar_us(const SweepPlan& plan, std::size_t cell) {
-  const SweepCellSolver solver = solver_of(plan, place_of(plan, cell));
-  SweepBlock block(solver.trials.sensors);
+double scalar_us(const SweepSpec& spec, std::size_t cell) {
+  const SweepCellSolver solver = solver_at(spec, cell);
+  SweepBlock block(solver.model.sensors);
   std::vector<PointEstimate> estimates(kBlockTrials);
   double us = 0.0;
-  for (std::uint64_t first = 0; first < plan.spec.time_problems; first += kBlockTrials) {
-    const std::uint64_t left = plan.spec.time_problems - first;
+  for (std::uint64_t first = 0; first < spec.time_problems; first += kBlockTrials) {
+    const std::uint64_t left = spec.time_problems - first;
     block.make_trials(solver, first, static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, left)));
     const auto problems = block.problems(solver);
     const auto start = Clock::now();
@@ -43,26 +48,43 @@ double scalar_us(const SweepPlan& plan, std::size_t cell) {
       estimates[i] = solve_nonlinear(problems[i], solver.options);
     us += us_since(start);
   }
-  return us / static_cast<double>(plan.spec.time_problems);
+  return us / static_cast<double>(spec.time_problems);
 }
 
 // Times every cell on one thread by the scalar solver; of three rounds over all cells the fastest counts, so
 // that a busy moment of the machine spoils none.
-void time_into(const std::filesystem::path& folder, const SweepPlan& plan, const Watch& watch) {
+void time_into(const std::filesystem::path& folder, const SweepSpec& spec, const Watch& watch) {
   constexpr std::size_t kRounds = 3;
-  SweepTimings timings{plan.spec.name, processor_name(), plan.spec.time_problems, {}};
-  timings.solve_us.assign(plan.cells(), std::numeric_limits<double>::infinity());
+  const std::size_t cells = spec.cells.size();
+  SweepTimings timings{spec.name, processor_name(), spec.time_problems, {}};
+  timings.solve_us.assign(cells, std::numeric_limits<double>::infinity());
   for (std::size_t round = 0; round < kRounds; ++round)
-    for (std::size_t cell = 0; cell < plan.cells(); ++cell) {
+    for (std::size_t cell = 0; cell < cells; ++cell) {
       watch.check();
-      timings.solve_us[cell] = std::min(timings.solve_us[cell], scalar_us(plan, cell));
-      watch.tell(static_cast<double>(round * plan.cells() + cell + 1) /
-                 static_cast<double>(kRounds * plan.cells()));
+      timings.solve_us[cell] = std::min(timings.solve_us[cell], scalar_us(spec, cell));
+      watch.tell(static_cast<double>(round * cells + cell + 1) / static_cast<double>(kRounds * cells));
     }
   write_beside(folder, timings);
 }
 
 constexpr std::uint64_t kChunksAtOnce = 64;  // whose sums are in memory
+
+// Cells of one item, which follow each other.
+struct Cells {
+  std::size_t first = 0, count = 0;
+};
+
+std::vector<Cells> items_of(const SweepSpec& spec) {
+  const std::size_t reading = spec.thresholds.size() * spec.ranges_m.size();
+  const auto most = static_cast<std::size_t>(std::max<std::uint64_t>(1, kItemTrials / spec.trials));
+  std::vector<Cells> items;
+  for (std::size_t begin = 0; begin < spec.cells.size(); begin += reading)
+    for (std::size_t first = begin; first < begin + reading; first += most)
+      items.push_back({first, std::min(most, begin + reading - first)});
+  return items;
+}
+
+std::string id_of(const Cells& item) { return fmt::format("trials/from-cell-{}", item.first + 1); }
 
 // One chunk of one cell's trials.
 struct Chunk {
@@ -74,10 +96,10 @@ struct Chunk {
   }
 };
 
-Chunk solve_chunk(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
-  const SweepCellSolver solver = solver_of(plan, place_of(plan, cell));
-  SweepBlock block(solver.trials.sensors);
-  const std::uint64_t end = std::min((chunk + 1) * kChunkTrials, plan.spec.trials);
+Chunk solve_chunk(const SweepSpec& spec, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
+  const SweepCellSolver solver = solver_at(spec, cell);
+  SweepBlock block(solver.model.sensors);
+  const std::uint64_t end = std::min((chunk + 1) * kChunkTrials, spec.trials);
   Chunk solved;
   for (std::uint64_t trial = chunk * kChunkTrials; trial < end; trial += kBlockTrials) {
     watch.check();
@@ -91,157 +113,115 @@ Chunk solve_chunk(const SweepPlan& plan, std::size_t cell, std::uint64_t chunk, 
 }
 
 // The statistics of each cell; how long its trials took is left in the item's folder.
-Json compute(const SweepPlan& plan, const SweepItem& item, const std::filesystem::path& into,
+Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::path& into,
              const Watch& watch) {
-  const std::uint64_t per_cell = (plan.spec.trials + kChunkTrials - 1) / kChunkTrials;
-  const std::uint64_t chunks = item.cells * per_cell;
-  std::vector<Chunk> of_cell(item.cells), solved(std::min(kChunksAtOnce, chunks));
+  const std::uint64_t per_cell = (spec.trials + kChunkTrials - 1) / kChunkTrials;
+  const std::uint64_t chunks = item.count * per_cell;
+  std::vector<Chunk> of_cell(item.count), solved(std::min(kChunksAtOnce, chunks));
   std::atomic<std::uint64_t> done{0};
   for (std::uint64_t first = 0; first < chunks; first += solved.size()) {
     const std::size_t count = std::min<std::uint64_t>(solved.size(), chunks - first);
     parallel_for_index(count, 1, [&](std::size_t i) {
-      solved[i] = solve_chunk(plan, item.first_cell + (first + i) / per_cell, (first + i) % per_cell, watch);
+      solved[i] = solve_chunk(spec, item.first + (first + i) / per_cell, (first + i) % per_cell, watch);
       watch.tell(static_cast<double>(++done) / static_cast<double>(chunks));
     });
     watch.check();  // cancelled from outside, chunks are left out without a word
     for (std::size_t i = 0; i < count; ++i) of_cell[(first + i) / per_cell].add(solved[i]);
   }
   Json cells = Json::array();
-  SweepTimings timings{plan.spec.name, processor_name(), 0, {}};
+  SweepTimings timings{spec.name, processor_name(), 0, {}};
   for (const Chunk& cell : of_cell) {
-    cells.push_back(json_of(cell_of(cell.sums)));
-    timings.solve_us.push_back(cell.us / static_cast<double>(plan.spec.trials));
+    SweepCell numbers = cell_of(cell.sums);
+    numbers.setting = spec.cells[item.first + cells.size()];
+    cells.push_back(json_of(numbers));
+    timings.solve_us.push_back(cell.us / static_cast<double>(spec.trials));
   }
   write_beside(into, timings);
   return cells;
 }
 
 // The times of all items' trials, as the runs that solved them took them.
-void gather_times(const SweepPlan& plan, const Outcomes& outcomes, const std::filesystem::path& folder) {
-  SweepTimings all{plan.spec.name, processor_name(), 0, {}};
-  for (const SweepItem& item : items_of(plan)) {
-    const auto of_item = read_beside<SweepTimings>(outcomes.at(item.id).folder);
-    for (std::size_t cell = 0; cell < item.cells; ++cell)
+void gather_times(const SweepSpec& spec, const Outcomes& outcomes, const std::filesystem::path& folder) {
+  SweepTimings all{spec.name, processor_name(), 0, {}};
+  for (const Cells& item : items_of(spec)) {
+    const auto of_item = read_beside<SweepTimings>(outcomes.at(id_of(item)).folder);
+    for (std::size_t cell = 0; cell < item.count; ++cell)
       all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : SweepCell::kNone);
   }
   write_beside(folder, all);
 }
 
-std::vector<SweepCell> cells_of(const SweepPlan& plan, const Outcomes& outcomes) {
-  std::vector<SweepCell> cells;
-  for (const SweepItem& item : items_of(plan)) {
-    const auto found = outcomes.find(item.id);
-    if (found == outcomes.end()) throw InputError(plan.spec.name, "has no item " + item.id);
-    const Json json = found->second.json;
-    const std::string place = found->second.place();
-    if (!json.is_array() || json.size() != item.cells)
-      throw InputError(place, fmt::format("must be a list of {} cells", item.cells));
-    for (std::size_t c = 0; c < item.cells; ++c) {
-      const JsonObject object(json[c], place, fmt::format("/{}", c));
-      const SweepCell& cell = cells.emplace_back(with_place(plan, read_as<SweepCell>(object), cells.size()));
-      if (cell.asked != plan.spec.trials)
-        object.refuse("asked", fmt::format("must be {}, the trials of the study", plan.spec.trials));
+SweepSummary summary_of(const SweepSpec& spec, const Outcomes& outcomes) {
+  SweepSummary s;
+  s.study = spec.name;
+  s.seed = spec.seed;
+  s.trials = spec.trials;
+  s.max_iterations = spec.max_iterations;
+  s.skipped = spec.skipped;
+  s.thresholds = spec.thresholds.size();
+  s.ranges = spec.ranges_m.size();
+  for (const Cells& item : items_of(spec)) {
+    const Outcome& outcome = outcomes.at(id_of(item));
+    if (!outcome.json.is_array() || outcome.json.size() != item.count)
+      throw InputError(outcome.place(), fmt::format("must be a list of {} cells", item.count));
+    for (std::size_t c = 0; c < item.count; ++c) {
+      const JsonObject object(outcome.json[c], outcome.place(), fmt::format("/{}", c));
+      const SweepCell& cell = s.cells.emplace_back(read_as<SweepCell>(object));
+      if (cell.asked != spec.trials)
+        object.refuse("asked", fmt::format("must be {}, the trials of the study", spec.trials));
     }
   }
-  return cells;
-}
-
-SweepSummary summary_of(const SweepPlan& plan, std::vector<SweepCell> cells) {
-  SweepSummary s;
-  s.study = plan.spec.name;
-  s.seed = plan.spec.seed;
-  s.trials = plan.spec.trials;
-  s.max_iterations = plan.spec.max_iterations;
-  s.skipped = plan.skipped;
-  s.thresholds = plan.spec.thresholds;
-  s.ranges = plan.spec.ranges;
-  for (const SweepReading& reading : plan.readings) s.interpretations.push_back(reading.text);
-  s.cells = std::move(cells);
+  s.claims = claims_of(s);
   return s;
 }
 
-Json manifest_of_sweep(const SweepPlan& plan) {
-  return manifest_of(resolved_json(plan.spec), {{"simulated", true},
-                                                {"interpretations", plan.readings.size()},
-                                                {"skipped", plan.skipped},
-                                                {"cells", plan.cells()},
-                                                {"trials", plan.cells() * plan.spec.trials},
-                                                {"inputs", Json::array()}});
+// Equal for items of equal outcome, whatever else their studies hold.
+std::string key_of_item(const SweepSpec& spec, const Cells& item) {
+  Json cells = Json::array();
+  for (std::size_t cell = item.first; cell < item.first + item.count; ++cell) {
+    const SweepSetting& setting = spec.cells[cell];
+    cells.push_back(
+        {json_of(setting), std::ranges::find(spec.rigs, setting.rig, &SweepRig::name)->sensors_m});
+  }
+  return key_of({{"kind", "trials of a threshold sweep"},
+                 {"cells", cells},
+                 {"seed", spec.seed},
+                 {"trials", spec.trials},
+                 {"max_iterations", spec.max_iterations}});
 }
 
 }  // namespace
 
-std::uint64_t trials_in(const SweepPlan& plan, const SweepItem& item) {
-  return item.cells * plan.spec.trials;
-}
-
-std::vector<SweepItem> items_of(const SweepPlan& plan) {
-  const std::size_t ranges = plan.spec.ranges.size();
-  const std::size_t together =
-      ranges * plan.spec.trials >= kFewTrials ? ranges : ranges * plan.spec.thresholds.size();
-  const std::size_t most =
-      static_cast<std::size_t>(std::max<std::uint64_t>(1, kItemTrials / plan.spec.trials));
-  std::vector<SweepItem> items;
-  for (std::size_t begin = 0; begin < plan.cells(); begin += together)
-    for (std::size_t cell = begin; cell < begin + together; cell += most) {
-      const SweepCellPlace place = place_of(plan, cell);
-      items.push_back(
-          {fmt::format("trials/r{}-c{}-{}", place.reading + 1, place.threshold + 1, place.range + 1), cell,
-           std::min(most, begin + together - cell)});
-    }
-  return items;
-}
-
-std::string key_of_item(const SweepPlan& plan, const SweepItem& item) {
-  const SweepCellPlace place = place_of(plan, item.first_cell);
-  const SweepInterpretation& reading = plan.readings[place.reading].text;
-  Json cells = Json::array();
-  for (std::size_t cell = item.first_cell; cell < item.first_cell + item.cells; ++cell) {
-    const SweepCellPlace of_cell = place_of(plan, cell);
-    const SweepSummary::ErrorRange& range = plan.spec.ranges[of_cell.range];
-    cells.push_back({plan.spec.thresholds[of_cell.threshold], range.low_m, range.high_m});
-  }
-  return key_of({{"kind", "trials of a threshold sweep"},
-                 {"sensors_m", reading.sensors_m},
-                 {"joint", reading.joint},
-                 {"error_model", reading.error_model},
-                 {"threshold_unit", reading.threshold_unit},
-                 {"gradient", reading.gradient},
-                 {"curvature", reading.curvature},
-                 {"stop", reading.stop},
-                 {"damping", reading.damping},
-                 {"start", reading.start},
-                 {"cells", cells},
-                 {"seed", plan.spec.seed},
-                 {"trials", plan.spec.trials},
-                 {"max_iterations", plan.spec.max_iterations}});
-}
-
-Study sweep_study(const SweepPlan& whole) {
-  const auto plan = std::make_shared<const SweepPlan>(whole);
-  Study study{.kind = name_of(StudyKind::threshold_sweep),
-              .settings = resolved_json(plan->spec),
-              .reduce =
-                  [plan](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
-                    SweepSummary summary = summary_of(*plan, cells_of(*plan, outcomes));
-                    summary.claims = claims_of(summary);
-                    if (plan->spec.time_problems == 0) gather_times(*plan, outcomes, results);
-                    const SweepTimings timings = read_beside<SweepTimings>(results).value();
-                    store_tables(results, sweep_tables(summary, timings));
-                    write_beside(results, StoredFigures{sweep_figures(summary, timings)});
-                    write_results(results, summary);
-                  },
-              .manifest = [plan] { return manifest_of_sweep(*plan); }};
-  for (const SweepItem& item : items_of(*plan))
-    study.items.push_back({item.id, static_cast<double>(trials_in(*plan, item)),
-                           [plan, item](const std::filesystem::path& into, const Watch& watch) {
-                             return compute(*plan, item, into, watch);
+Study sweep_study(const SweepSpec& given) {
+  const auto spec = std::make_shared<const SweepSpec>(given);
+  Study study;
+  study.kind = name_of(StudyKind::threshold_sweep);
+  study.settings = resolved_json(*spec);
+  for (const Cells& item : items_of(*spec))
+    study.items.push_back({id_of(item), static_cast<double>(item.count * spec->trials),
+                           [spec, item](const std::filesystem::path& into, const Watch& watch) {
+                             return compute(*spec, item, into, watch);
                            },
-                           [plan, item](const Watch&) { return key_of_item(*plan, item); }});
-  if (plan->spec.time_problems > 0)
-    study.time = [plan](const std::filesystem::path& folder, const Watch& watch) {
-      time_into(folder, *plan, watch);
+                           [spec, item](const Watch&) { return key_of_item(*spec, item); }});
+  if (spec->time_problems > 0)
+    study.time = [spec](const std::filesystem::path& folder, const Watch& watch) {
+      time_into(folder, *spec, watch);
     };
+  study.reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
+    const SweepSummary summary = summary_of(*spec, outcomes);
+    if (spec->time_problems == 0) gather_times(*spec, outcomes, results);
+    const SweepTimings timings = read_beside<SweepTimings>(results).value();
+    store_tables(results, sweep_tables(summary, timings));
+    write_beside(results, StoredFigures{sweep_figures(summary, timings)});
+    write_results(results, summary);
+  };
+  study.manifest = [spec] {
+    return manifest_of(resolved_json(*spec), {{"simulated", true},
+                                              {"skipped", spec->skipped},
+                                              {"cells", spec->cells.size()},
+                                              {"trials", spec->cells.size() * spec->trials},
+                                              {"inputs", Json::array()}});
+  };
   return study;
 }
 

@@ -4,10 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,33 +17,31 @@
 
 namespace trilat {
 
-// One reading of what the paper leaves open, each choice in the words of the study.
-struct SweepInterpretation {
-  std::string id;                                  // the choices below, joined by '/'; unique
-  std::string rig;                                 // its name
-  std::vector<std::array<double, 3>> sensors_m;    // world
-  std::string joint;                               // centre, volume
-  std::string error_model;                         // range_signed, displacement, gaussian
-  std::string threshold_unit;                      // cm2, m2
-  std::string gradient, curvature, stop, damping;  // as of the method `nonlinear`
-  std::string start;                               // linear, squared_ranges
+// Everything that decides the trials of one cell and how they are solved, in the words of the study.
+struct SweepSetting {
+  std::string rig;
+  std::string joint = "volume";
+  std::string error_model = "range_signed";
+  std::string threshold_unit = "cm2";
+  std::string gradient = "corrected", curvature = "gauss_newton", stop = "objective", damping = "none";
+  std::string start = "linear";
+  double threshold = 1e-4;                         // C, in its unit
+  double error_low_m = 0.05, error_high_m = 0.15;  // range of the measurement errors
 
-  TRILAT_FIELDS(id, rig, sensors_m, joint, error_model, threshold_unit, gradient, curvature, stop, damping,
-                start)
+  TRILAT_FIELDS(rig, joint, error_model, threshold_unit, gradient, curvature, stop, damping, start, threshold,
+                error_low_m, error_high_m)
 };
 
-// One interpretation at one threshold and one range of errors. NaN where nothing answered. Errors are
-// distances to the true joint, over the answered trials; the iterations are over all trials.
+// One cell of the sweep. NaN where nothing answered. Errors are distances to the true joint, over the
+// answered trials; the iterations are over all trials.
 struct SweepCell {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::size_t interpretation = 0;
-  std::size_t threshold = 0;
-  std::size_t range = 0;
-  std::uint64_t asked = 0;                        // trials done; fewer than the study's when interrupted
-  std::uint64_t answered = 0;                     // of those, with a usable estimate
-  std::map<std::string, std::uint64_t> statuses;  // sums to asked
-  double mae_m = kNone;                           // mean Euclidean distance
-  double mae_standard_error_m = kNone;            // standard deviation / sqrt(answered)
+  SweepSetting setting;
+  std::uint64_t asked = 0;                                // trials
+  std::uint64_t answered = 0;                             // of those, with a usable estimate
+  std::map<std::string, std::uint64_t> statuses;          // sums to asked
+  double mae_m = kNone;                                   // mean Euclidean distance
+  double mae_standard_error_m = kNone;                    // standard deviation / sqrt(answered)
   std::array<double, 3> axis_mae_m{kNone, kNone, kNone};  // world x, y, z
   double rmse_m = kNone;
   double p50_m = kNone;  // quantiles of the distance to within 0.8 %
@@ -64,8 +60,8 @@ struct SweepCell {
   double axis_mean_mae_m() const { return (axis_mae_m[0] + axis_mae_m[1] + axis_mae_m[2]) / 3.0; }
 
   static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(interpretation, threshold, range, asked, answered, statuses, mae_m, mae_standard_error_m,
-                axis_mae_m)
+    SweepSetting::fields(self.setting, field);
+    TRILAT_EACH(asked, answered, statuses, mae_m, mae_standard_error_m, axis_mae_m)
     field("axis_mean_mae_m", self.axis_mean_mae_m());
     TRILAT_EACH(rmse_m, p50_m, p95_m, max_m, start_mae_m, mean_iterations, p50_iterations, p99_iterations,
                 max_iterations)
@@ -75,33 +71,27 @@ struct SweepCell {
 // Results of a threshold sweep. Everything in it is simulated.
 struct SweepSummary {
   static constexpr StudyKind kKind = StudyKind::threshold_sweep;
-  struct ErrorRange {
-    double low_m = 0.0, high_m = 0.0;
-    TRILAT_FIELDS(low_m, high_m)
-  };
   std::string study;
   bool simulated = true;
   std::uint64_t seed = 0;
-  std::uint64_t trials = 0;  // asked of each cell
+  std::uint64_t trials = 0;  // of each cell
   std::uint64_t max_iterations = 0;
-  std::uint64_t skipped = 0;       // combinations that contradict themselves or repeat another
-  std::vector<double> thresholds;  // C as in the study, in each interpretation's unit
-  std::vector<ErrorRange> ranges;
-  std::vector<SweepInterpretation> interpretations;
-  std::vector<SweepCell> cells;          // interpretation by interpretation, in each threshold by threshold
-  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
+  std::uint64_t skipped = 0;                 // combinations that contradict themselves or repeat another
+  std::uint64_t thresholds = 1, ranges = 1;  // how many of each a reading has
+  std::vector<SweepCell> cells;              // reading by reading, in each threshold by threshold
+  std::vector<ClaimNumber> claims = {};      // of the paper, that the study bears on
 
-  const SweepCell& cell(std::size_t interpretation, std::size_t threshold, std::size_t range) const {
-    return cells.at((interpretation * thresholds.size() + threshold) * ranges.size() + range);
+  // Settings that are alike in all but threshold and range of errors.
+  std::size_t readings() const { return cells.size() / (thresholds * ranges); }
+  const SweepCell& cell(std::size_t reading, std::size_t threshold, std::size_t range) const {
+    return cells.at((reading * thresholds + threshold) * ranges + range);
   }
 
-  TRILAT_FIELDS(study, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, interpretations,
-                cells, claims)
-  void check(const JsonObject& object) const;
+  TRILAT_FIELDS(study, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, cells, claims)
+  void check(const JsonObject& object) const {
+    if (thresholds == 0 || ranges == 0 || cells.size() % (thresholds * ranges) != 0)
+      object.refuse("cells", "must hold one cell for every reading, threshold and range");
+  }
 };
-
-// Whether the last threshold but one is a compromise in a reading, at every error range: the last one takes
-// twice its steps, and the first one errs by a tenth more. False for fewer than three thresholds.
-bool is_compromise(const SweepSummary& summary, std::size_t reading);
 
 }  // namespace trilat

@@ -9,7 +9,7 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
-#include "pipeline/sweep/table1.h"
+#include "pipeline/sweep/sweep_spec.h"
 
 namespace trilat {
 namespace {
@@ -28,6 +28,12 @@ bool all_finite(const std::vector<double>& factors) {
 
 }  // namespace
 
+std::string heading_of(const SweepChoice& choice) {
+  std::string heading = choice.key;
+  std::ranges::replace(heading, '_', ' ');
+  return heading == "threshold unit" ? "C in" : heading;
+}
+
 double solve_us(const SweepSummary& s, const SweepTimings& timings, const SweepCell& cell) {
   return timings.solve_us.at(static_cast<std::size_t>(&cell - s.cells.data()));
 }
@@ -39,46 +45,44 @@ constexpr std::size_t kMostCells = 200;  // in a table that is shown
 // Every number of every cell, with each of its settings in a column.
 Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
   using R = SweepCell;
-  const auto reading = [&](std::string SweepInterpretation::*member) {
-    return as_text([&s, member](const R& r) { return s.interpretations[r.interpretation].*member; });
+  const auto word = [](std::string SweepSetting::*member) {
+    return as_text([member](const R& r) { return r.setting.*member; });
+  };
+  const auto setting = [](double SweepSetting::*member) {
+    return [member](const R& r) { return r.setting.*member; };
   };
   const auto bound_m = [](double halves) {
     return [=](const R& r) { return r.mae_m + halves * r.mae_half_interval_m(); };
   };
+  std::vector<RowColumn<R>> columns{{"rig", "rig", word(&SweepSetting::rig)}};
+  for (const SweepChoice& choice : sweep_choices())
+    columns.push_back({heading_of(choice), choice.key, word(choice.word)});
+  const std::vector<RowColumn<R>> numbers{
+      {"errors from (cm)", "range_low_cm",
+       as_number(-1, kCentimetresPerMetre, setting(&SweepSetting::error_low_m))},
+      {"to (cm)", "range_high_cm", as_number(-1, kCentimetresPerMetre, setting(&SweepSetting::error_high_m))},
+      {"C", "threshold", as_number(-1, setting(&SweepSetting::threshold))},
+      {"asked", "asked", as_count(&R::asked)},
+      {"n", "n", as_count(&R::answered)},
+      {"answered (%)", "coverage_percent",
+       in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
+      {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, bound_m(-1.0), bound_m(1.0))},
+      {"axis mean (cm)", "axis_mean_mae_cm", in_cm(&R::axis_mean_mae_m)},
+      {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
+      {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},
+      {"max (cm)", "max_cm", in_cm(&R::max_m)},
+      {"start (cm)", "start_mae_cm", in_cm(&R::start_mae_m)},
+      {"steps", "iterations", as_number(2, &R::mean_iterations)},
+      {"p50", "iterations_p50", as_number(0, &R::p50_iterations)},
+      {"p99", "iterations_p99", as_number(0, &R::p99_iterations)},
+      {"max", "iterations_max", as_number(0, &R::max_iterations)},
+      {timings.problems > 0 ? "a solve" : "a trial", "time_us",
+       as_number(3, [&](const R& r) { return solve_us(s, timings, r); })},
+      {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}};
+  columns.insert(columns.end(), numbers.begin(), numbers.end());
   Table table = table_of<R>(
       "sweep", fmt::format("Every cell of the sweep, simulated; {} trials a cell, seed {}", s.trials, s.seed),
-      s.cells,
-      {{"rig", "rig", reading(&SweepInterpretation::rig)},
-       {"joint", "joint", reading(&SweepInterpretation::joint)},
-       {"errors", "error_model", reading(&SweepInterpretation::error_model)},
-       {"C in", "threshold_unit", reading(&SweepInterpretation::threshold_unit)},
-       {"gradient", "gradient", reading(&SweepInterpretation::gradient)},
-       {"curvature", "curvature", reading(&SweepInterpretation::curvature)},
-       {"stop", "stop", reading(&SweepInterpretation::stop)},
-       {"damping", "damping", reading(&SweepInterpretation::damping)},
-       {"start", "start", reading(&SweepInterpretation::start)},
-       {"errors from (cm)", "range_low_cm",
-        as_number(-1, kCentimetresPerMetre, [&](const R& r) { return s.ranges[r.range].low_m; })},
-       {"to (cm)", "range_high_cm",
-        as_number(-1, kCentimetresPerMetre, [&](const R& r) { return s.ranges[r.range].high_m; })},
-       {"C", "threshold", as_number(-1, [&](const R& r) { return s.thresholds[r.threshold]; })},
-       {"asked", "asked", as_count(&R::asked)},
-       {"n", "n", as_count(&R::answered)},
-       {"answered (%)", "coverage_percent",
-        in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
-       {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, bound_m(-1.0), bound_m(1.0))},
-       {"axis mean (cm)", "axis_mean_mae_cm", in_cm(&R::axis_mean_mae_m)},
-       {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
-       {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},
-       {"max (cm)", "max_cm", in_cm(&R::max_m)},
-       {"start (cm)", "start_mae_cm", in_cm(&R::start_mae_m)},
-       {"steps", "iterations", as_number(2, &R::mean_iterations)},
-       {"p50", "iterations_p50", as_number(0, &R::p50_iterations)},
-       {"p99", "iterations_p99", as_number(0, &R::p99_iterations)},
-       {"max", "iterations_max", as_number(0, &R::max_iterations)},
-       {timings.problems > 0 ? "a solve" : "a trial", "time_us",
-        as_number(3, [&](const R& r) { return solve_us(s, timings, r); })},
-       {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}});
+      s.cells, columns);
   add_notes(table, "sweep");
   return table;
 }
@@ -103,8 +107,8 @@ std::string threshold_text(const SweepSummary& s, std::size_t large, std::size_t
                            const std::string& gradient) {
   std::vector<double> errors, steps;
   double answered = 1.0;
-  for (std::size_t i = 0; i < s.interpretations.size(); ++i)
-    for (std::size_t r = 0; s.interpretations[i].gradient == gradient && r < s.ranges.size(); ++r) {
+  for (std::size_t i = 0; i < s.readings(); ++i)
+    for (std::size_t r = 0; s.cell(i, 0, 0).setting.gradient == gradient && r < s.ranges; ++r) {
       const SweepCell &before = s.cell(i, large, r), &after = s.cell(i, small, r);
       answered = std::min(
           {answered, share_of(before.answered, before.asked), share_of(after.answered, after.asked)});
@@ -119,16 +123,18 @@ std::string threshold_text(const SweepSummary& s, std::size_t large, std::size_t
 }
 
 std::string threshold_sentence(const SweepSummary& s) {
-  const auto [smallest, largest] = std::ranges::minmax_element(s.thresholds);
+  std::vector<double> thresholds;
+  for (std::size_t t = 0; t < s.thresholds; ++t) thresholds.push_back(s.cell(0, t, 0).setting.threshold);
+  const auto [smallest, largest] = std::ranges::minmax_element(thresholds);
   if (*smallest == *largest)
     return fmt::format("One threshold, C = {:g}: there is nothing to compare.", *smallest);
   std::set<std::string> gradients;
-  for (const SweepInterpretation& reading : s.interpretations) gradients.insert(reading.gradient);
+  for (const SweepCell& cell : s.cells) gradients.insert(cell.setting.gradient);
   std::string text;
   for (const std::string& gradient : gradients)
     text += (text.empty() ? "" : "; ") +
-            threshold_text(s, static_cast<std::size_t>(largest - s.thresholds.begin()),
-                           static_cast<std::size_t>(smallest - s.thresholds.begin()), gradient);
+            threshold_text(s, static_cast<std::size_t>(largest - thresholds.begin()),
+                           static_cast<std::size_t>(smallest - thresholds.begin()), gradient);
   return fmt::format(
       "From C = {:g} to C = {:g}, the least and the most over readings and ranges of errors: {}.", *largest,
       *smallest, text);
@@ -142,7 +148,7 @@ StoredTables sweep_tables(const SweepSummary& s, const SweepTimings& timings) {
   shown.asked = "What does the stopping threshold C cost, and what does it bring?";
   shown.about = fmt::format(
       "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
-      s.interpretations.size(), s.ranges.size(), s.thresholds.size(), s.trials);
+      s.readings(), s.ranges, s.thresholds, s.trials);
   shown.findings = {threshold_sentence(s)};
   shown.errata = {{"E18", mean_spread_effect(s)}};
   const auto add = [&](std::vector<Table> tables, Table::Shown where) {

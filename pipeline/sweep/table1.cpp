@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/sweep/table1.h"
-
 #include <cmath>
 #include <functional>
 #include <map>
@@ -22,8 +20,8 @@ struct Place {
 Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, const PrintedTable1& paper,
                         const Table1Readings& readings) {
   std::vector<Place> rows;
-  for (std::size_t r = 0; r < s.ranges.size(); ++r)
-    for (std::size_t t = 0; t < s.thresholds.size(); ++t) rows.push_back({t, r});
+  for (std::size_t r = 0; r < s.ranges; ++r)
+    for (std::size_t t = 0; t < s.thresholds; ++t) rows.push_back({t, r});
   using Reading = std::optional<std::size_t>;
   const Reading both = readings.as_printed, e7 = readings.printed, ours = readings.corrected;
   // NaN without this reading.
@@ -52,7 +50,7 @@ Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, cons
                              : TableValue::of(row.time_us[p.range], -1);
   };
   Table table = table_of<Place>(
-      usable_id("table1-" + s.interpretations[*readings.printed].rig),
+      usable_id("table1-" + s.cell(*readings.printed, 0, 0).setting.rig),
       fmt::format("Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; "
                   "{} trials a cell, seed {})",
                   readings.name, s.trials, s.seed),
@@ -83,19 +81,19 @@ Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, cons
 constexpr std::size_t kMostTables = 6;
 constexpr double kSameNumber = 1e-9;  // relative
 
-std::string family_name(const SweepInterpretation& i) {
-  return fmt::format("{}, joint {}, error {}, C in {}, start {}, damping {}, {}", i.rig, i.joint,
-                     i.error_model, i.threshold_unit, i.start, i.damping, i.curvature);
+std::string family_name(const SweepSetting& s) {
+  return fmt::format("{}, joint {}, error {}, C in {}, start {}, damping {}, {}", s.rig, s.joint,
+                     s.error_model, s.threshold_unit, s.start, s.damping, s.curvature);
 }
 
 std::map<std::string, Table1Readings> readings_by_name(const SweepSummary& s) {
   std::map<std::string, Table1Readings> all;
-  for (std::size_t k = 0; k < s.interpretations.size(); ++k) {
-    const SweepInterpretation& i = s.interpretations[k];
-    Table1Readings& readings = all[family_name(i)];
-    if (i.gradient == "printed" && i.stop == "printed") readings.as_printed = k;
-    if (i.gradient == "printed" && i.stop == "objective") readings.printed = k;
-    if (i.gradient == "corrected" && i.stop == "objective") readings.corrected = k;
+  for (std::size_t k = 0; k < s.readings(); ++k) {
+    const SweepSetting& setting = s.cell(k, 0, 0).setting;
+    Table1Readings& readings = all[family_name(setting)];
+    if (setting.gradient == "printed" && setting.stop == "printed") readings.as_printed = k;
+    if (setting.gradient == "printed" && setting.stop == "objective") readings.printed = k;
+    if (setting.gradient == "corrected" && setting.stop == "objective") readings.corrected = k;
   }
   return all;
 }
@@ -103,12 +101,15 @@ std::map<std::string, Table1Readings> readings_by_name(const SweepSummary& s) {
 bool same(double a, double b) { return std::abs(a - b) <= kSameNumber * std::abs(b); }
 
 bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
-  if (s.thresholds.size() != paper.rows.size() || s.ranges.size() != paper.ranges_cm.size()) return false;
+  if (s.thresholds != paper.rows.size() || s.ranges != paper.ranges_cm.size()) return false;
   bool all = true;
-  for (std::size_t t = 0; t < paper.rows.size(); ++t) all &= same(s.thresholds[t], paper.rows[t].threshold);
-  for (std::size_t r = 0; r < paper.ranges_cm.size(); ++r)
-    all &= same(s.ranges[r].low_m * kCentimetresPerMetre, paper.ranges_cm[r][0]) &&
-           same(s.ranges[r].high_m * kCentimetresPerMetre, paper.ranges_cm[r][1]);
+  for (std::size_t t = 0; t < paper.rows.size(); ++t)
+    for (std::size_t r = 0; r < paper.ranges_cm.size(); ++r) {
+      const SweepSetting& setting = s.cell(0, t, r).setting;
+      all &= same(setting.threshold, paper.rows[t].threshold) &&
+             same(setting.error_low_m * kCentimetresPerMetre, paper.ranges_cm[r][0]) &&
+             same(setting.error_high_m * kCentimetresPerMetre, paper.ranges_cm[r][1]);
+    }
   return all;
 }
 

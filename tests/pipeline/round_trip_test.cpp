@@ -80,7 +80,7 @@ void expect_read_back(const T& value) {
 
 template <class T>
 class Filled : public testing::Test {};
-using Plain = testing::Types<StoredItem, TrackingSummary, SweepTimings, SweepInterpretation, SweepCell,
+using Plain = testing::Types<StoredItem, TrackingSummary, SweepTimings, SweepSetting, SweepCell,
                              ResultsSummary, StoredTables, StoredFigures>;
 TYPED_TEST_SUITE(Filled, Plain);
 
@@ -104,12 +104,8 @@ TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) { expect_read_back(filled<
 
 TEST(FilledStudy, OfASweepIsReadBackToTheLastBit) {
   auto summary = filled<SweepSummary>();
+  summary.thresholds = summary.ranges = 2;
   summary.cells.resize(8, summary.cells[0]);
-  for (std::size_t i = 0; i < 8; ++i) {
-    summary.cells[i].interpretation = i / 4;
-    summary.cells[i].threshold = i / 2 % 2;
-    summary.cells[i].range = i % 2;
-  }
   expect_read_back(summary);
 }
 

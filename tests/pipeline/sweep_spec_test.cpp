@@ -18,44 +18,77 @@ namespace {
 using testing::HasSubstr;
 
 std::string sweep_refusal(const std::string& members) {
-  return message_of([&] { sweep_plan_of(members); });
+  return message_of([&] { sweep_of(members); });
 }
 
 TEST(SweepSpec, TrialsThatCannotBeCountedAreRefused) {
-  EXPECT_THAT(sweep_refusal(kOneRig + R"(, "trials": 1000000000000, "joints": ["centre", "volume"],
-      "error_models": ["range_signed", "displacement", "gaussian"], "threshold_units": ["cm2", "m2"],
-      "stops": ["printed", "objective", "step"], "starts": ["linear", "squared_ranges"],
-      "error_ranges_cm": [[0, 1], [0, 2], [0, 3], [0, 4], [0, 5], [0, 6]],
-      "thresholds": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16])"),
+  EXPECT_THAT(sweep_refusal(kOneRig + R"(, "trials": 1000000000000, "vary": {"joint": ["centre", "volume"],
+      "error_model": ["range_signed", "displacement", "gaussian"], "threshold_unit": ["cm2", "m2"],
+      "gradient": ["printed", "corrected"],
+      "stop": ["printed", "objective", "step"], "start": ["linear", "squared_ranges"],
+      "error_cm": [[0, 1], [0, 2], [0, 3], [0, 4], [0, 5], [0, 6]],
+      "threshold": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]})"),
               HasSubstr("cells is more than 2^53 trials in all"));
 }
 
-TEST(SweepPlan, SkipsWhatContradictsItselfAndCountsIt) {
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "dampings": ["none", "lm"], "stops": ["step"],
-      "threshold_units": ["cm2", "m2"])");
-  std::vector<std::string> ids;
-  for (const SweepReading& reading : plan.readings) ids.push_back(reading.text.id);
-  EXPECT_THAT(ids, testing::ElementsAre("a/volume/range_signed/cm2/printed/gauss_newton/step/none/linear",
-                                        "a/volume/range_signed/cm2/corrected/gauss_newton/step/none/linear",
-                                        "a/volume/range_signed/cm2/corrected/gauss_newton/step/lm/linear",
-                                        "a/volume/range_signed/m2/printed/gauss_newton/step/none/linear"));
-  EXPECT_EQ(plan.skipped, 4u);
-  EXPECT_EQ(plan.cells(), 4u * 12u);
+// Of two thresholds and one range a reading has two cells; thresholds vary quicker than any other choice.
+TEST(SweepSpec, SkipsWhatContradictsItselfAndCountsIt) {
+  const SweepSpec spec =
+      sweep_of(kOneRig + R"(, "solver": {"stop": "step"}, "vary": {"damping": ["none", "lm"],
+      "gradient": ["printed", "corrected"], "threshold_unit": ["cm2", "m2"], "threshold": [1, 0.5]})");
+  std::vector<std::string> cells;
+  for (const SweepSetting& s : spec.cells)
+    cells.push_back(fmt::format("{}/{}/{}/{}", s.threshold_unit, s.gradient, s.damping, s.threshold));
+  EXPECT_THAT(cells,
+              testing::ElementsAre("cm2/printed/none/1", "cm2/printed/none/0.5", "cm2/corrected/none/1",
+                                   "cm2/corrected/none/0.5", "cm2/corrected/lm/1", "cm2/corrected/lm/0.5",
+                                   "m2/printed/none/1", "m2/printed/none/0.5"));
+  EXPECT_EQ(spec.skipped, 4u);
 }
 
-TEST(SweepPlan, AThresholdCountsInItsUnit) {
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "threshold_units": ["cm2", "m2"], "stops": ["printed"],
-      "gradients": ["printed"], "thresholds": [0.5], "error_ranges_cm": [[5, 15]])");
-  EXPECT_DOUBLE_EQ(options_of(plan, {0, 0, 0}).threshold_m2, 0.5e-4);
-  EXPECT_DOUBLE_EQ(options_of(plan, {0, 0, 0}).printed_unit_m, 0.01);
-  EXPECT_DOUBLE_EQ(options_of(plan, {1, 0, 0}).threshold_m2, 0.5);
-  EXPECT_DOUBLE_EQ(options_of(plan, {1, 0, 0}).printed_unit_m, 1.0);
-  EXPECT_DOUBLE_EQ(trials_of(plan, {0, 0, 0}).high_m, 0.15);
+TEST(SweepSpec, AThresholdCountsInItsUnit) {
+  const SweepSpec spec =
+      sweep_of(kOneRig + R"(, "solver": {"stop": "printed", "gradient": "printed", "threshold": 0.5,
+      "error_cm": [5, 15]}, "vary": {"threshold_unit": ["cm2", "m2"]})");
+  ASSERT_EQ(spec.cells.size(), 2u);
+  EXPECT_DOUBLE_EQ(trials_of(spec, spec.cells[0]).options.threshold_m2, 0.5e-4);
+  EXPECT_DOUBLE_EQ(trials_of(spec, spec.cells[0]).options.printed_unit_m, 0.01);
+  EXPECT_DOUBLE_EQ(trials_of(spec, spec.cells[1]).options.threshold_m2, 0.5);
+  EXPECT_DOUBLE_EQ(trials_of(spec, spec.cells[1]).options.printed_unit_m, 1.0);
+  EXPECT_DOUBLE_EQ(trials_of(spec, spec.cells[0]).model.high_m, 0.15);
+}
+
+// Each word of a choice is another value of its enum.
+TEST(SweepSpec, WordsAreWhatTheySay) {
+  const auto trials = [](const char* solver) {
+    const SweepSpec spec = sweep_of(kOneRig + R"(, "solver": )" + solver);
+    return trials_of(spec, spec.cells.front());
+  };
+  const SweepTrials usual = trials("{}");
+  EXPECT_EQ(usual.model.joint, TrialJoint::volume);
+  EXPECT_EQ(usual.model.error, TrialError::range_signed);
+  EXPECT_EQ(usual.options.gradient, Gradient::corrected);
+  EXPECT_EQ(usual.options.curvature, Curvature::gauss_newton);
+  EXPECT_EQ(usual.options.stop, StopRule::objective);
+  EXPECT_EQ(usual.options.damping, Damping::none);
+  EXPECT_EQ(usual.options.start, Start::linear);
+  EXPECT_FALSE(usual.has_hint);
+  const SweepTrials other = trials(
+      R"({"joint": "centre", "error_model": "gaussian", "curvature": "newton", "stop": "step",
+          "damping": "lm", "start": "squared_ranges"})");
+  EXPECT_EQ(other.model.joint, TrialJoint::centre);
+  EXPECT_EQ(other.model.error, TrialError::gaussian);
+  EXPECT_EQ(other.options.curvature, Curvature::newton);
+  EXPECT_EQ(other.options.stop, StopRule::step);
+  EXPECT_EQ(other.options.damping, Damping::lm);
+  EXPECT_EQ(other.options.start, Start::squared_ranges);
+  EXPECT_TRUE(other.has_hint);
 }
 
 TEST(SweepSpec, TheResolvedSettingsReadBackAsTheSameSweep) {
-  const SweepSpec spec = sweep_of(kOneRig + R"(, "error_ranges_cm": [[0, 5]], "dampings": ["lm"], "trials": 7,
-      "starts": ["squared_ranges", "linear"], "curvatures": ["newton"], "stops": ["step"], "seed": 9)");
+  const SweepSpec spec =
+      sweep_of(kOneRig + R"(, "solver": {"damping": "lm", "curvature": "newton", "stop": "step"},
+      "vary": {"start": ["squared_ranges", "linear"], "error_cm": [[0, 7]]}, "trials": 7, "seed": 9)");
   const Json resolved = parse_json(resolved_json(spec).dump(), "resolved.json");
   EXPECT_EQ(resolved_json(parse_sweep(resolved, "resolved.json")).dump(), resolved.dump());
 }
@@ -76,7 +109,8 @@ TEST(SweepStudies, ThoseOfThePaperCanBeComputed) {
     return parse_sweep(study, name);
   };
   const SweepSpec table1 = read("table1.json");
-  EXPECT_EQ(make_sweep_plan(table1, "table1.json").readings.size(), 8u);
+  EXPECT_EQ(table1.cells.size(), 2u * 4u * 12u);
+  EXPECT_EQ(table1.skipped, 0u);
   EXPECT_EQ(table1.trials, 5000u);
   EXPECT_GT(table1.time_problems, 0u);
 }

@@ -25,10 +25,10 @@ struct PlainLoop {
   double distance_m = 0.0, square_m2 = 0.0, largest_m = 0.0, iterations = 0.0;
 };
 
-PlainLoop plain_loop(const SweepPlan& plan, const SweepCellPlace& place) {
-  const RangeTrialModel model = trials_of(plan, place);
-  const SweepReading& reading = plan.readings[place.reading];
-  const auto n = static_cast<std::size_t>(plan.spec.trials);
+PlainLoop plain_loop(const SweepSpec& spec, const SweepSetting& setting) {
+  const SweepTrials trials = trials_of(spec, setting);
+  const RangeTrialModel& model = trials.model;
+  const auto n = static_cast<std::size_t>(spec.trials);
   const std::size_t stride = n + kTrialBlock;
   std::vector<double> truth(3 * stride), range(8 * stride), mean(3 * stride);
   make_range_trials(model, 0, n, {stride, truth.data(), range.data(), mean.data()});
@@ -40,8 +40,8 @@ PlainLoop plain_loop(const SweepPlan& plan, const SweepCellPlace& place) {
       problem.sensor_m[s] = {model.sensor_m[s][0], model.sensor_m[s][1], model.sensor_m[s][2]};
       problem.range_m[s] = range[s * stride + i];
     }
-    if (reading.has_hint) problem.hint_m = Eigen::Vector3d(mean[i], mean[stride + i], mean[2 * stride + i]);
-    const PointEstimate estimate = solve_nonlinear(problem, options_of(plan, place));
+    if (trials.has_hint) problem.hint_m = Eigen::Vector3d(mean[i], mean[stride + i], mean[2 * stride + i]);
+    const PointEstimate estimate = solve_nonlinear(problem, trials.options);
     loop.iterations += estimate.iterations;
     if (!is_usable(estimate.status)) continue;
     const Eigen::Vector3d error_m =
@@ -56,19 +56,21 @@ PlainLoop plain_loop(const SweepPlan& plan, const SweepCellPlace& place) {
 }
 
 TEST(Sweep, ACellIsWhatAPlainLoopOverItsTrialsGives) {
-  const SweepPlan plan = sweep_plan_of(R"("rigs": [{"name": "high", "heights_m": [0.3, 2.3, 0.3, 2.3]},
+  const SweepSpec spec = sweep_of(R"("rigs": [{"name": "high", "heights_m": [0.3, 2.3, 0.3, 2.3]},
       {"name": "nearly flat", "heights_m": [0.9, 0.9, 0.9, 1.4]}, {"name": "flat", "heights_m": [1, 1, 1, 1]},
       {"name": "three", "heights_m": [1, 2, 1.5]}, {"name": "five", "heights_m": [0.3, 2, 0.5, 1, 1.2]}],
-      "error_models": ["range_signed", "displacement"], "stops": ["printed", "objective", "step"],
-      "dampings": ["none", "lm"], "starts": ["linear", "squared_ranges"],
-      "thresholds": [1, 1e-4], "error_ranges_cm": [[5, 15]], "trials": 60, "max_iterations": 200)");
-  const SweepSummary run = swept(plan);
-  ASSERT_EQ(run.cells.size(), plan.cells());
+      "solver": {"error_cm": [5, 15]},
+      "vary": {"error_model": ["range_signed", "displacement"], "gradient": ["printed", "corrected"],
+      "stop": ["printed", "objective", "step"], "damping": ["none", "lm"], "start": ["linear", "squared_ranges"],
+      "threshold": [1, 1e-4]}, "trials": 60, "max_iterations": 200)");
+  const SweepSummary run = swept(spec);
+  ASSERT_EQ(run.cells.size(), spec.cells.size());
   std::uint64_t failed = 0;
   for (std::size_t c = 0; c < run.cells.size(); ++c) {
     const SweepCell& cell = run.cells[c];
-    const PlainLoop loop = plain_loop(plan, place_of(plan, c));
-    const std::string& id = plan.readings[cell.interpretation].text.id;
+    const PlainLoop loop = plain_loop(spec, spec.cells[c]);
+    const std::string id = json_of(cell.setting).dump();
+    ASSERT_EQ(id, json_of(spec.cells[c]).dump());
     ASSERT_EQ(cell.asked, 60u);
     ASSERT_EQ(cell.answered, loop.answered) << id;
     failed += cell.asked - cell.answered;
@@ -87,10 +89,9 @@ TEST(Sweep, ACellIsWhatAPlainLoopOverItsTrialsGives) {
 }
 
 TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1e-6],
-      "error_models": ["range_signed", "displacement", "gaussian"], "gradients": ["corrected"],
-      "stops": ["objective", "step"], "starts": ["linear", "squared_ranges"], "trials": 500)");
-  const auto summary = swept(plan);
+  const auto summary = swept(sweep_of(kOneRig + R"(, "solver": {"error_cm": [0, 0], "threshold": 1e-6},
+      "vary": {"error_model": ["range_signed", "displacement", "gaussian"], "stop": ["objective", "step"],
+      "start": ["linear", "squared_ranges"]}, "trials": 500)"));
   ASSERT_FALSE(summary.cells.empty());
   for (const SweepCell& cell : summary.cells) {
     EXPECT_EQ(cell.answered, 500u);
@@ -101,10 +102,9 @@ TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
 
 // A damped descent starts off the sensors' middle plane, so a large threshold stops it early.
 TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
-  const SweepPlan plan = sweep_plan_of(kOneRig + R"(, "error_ranges_cm": [[0, 0]], "thresholds": [1],
-      "gradients": ["corrected"], "stops": ["step"], "dampings": ["lm"],
-      "starts": ["linear", "squared_ranges"], "trials": 500)");
-  const auto summary = swept(plan);
+  const auto summary = swept(
+      sweep_of(kOneRig + R"(, "solver": {"error_cm": [0, 0], "threshold": 1, "stop": "step", "damping": "lm"},
+      "vary": {"start": ["linear", "squared_ranges"]}, "trials": 500)"));
   ASSERT_FALSE(summary.cells.empty());
   for (const SweepCell& cell : summary.cells) {
     EXPECT_EQ(cell.answered, 500u);
@@ -113,9 +113,8 @@ TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
 }
 
 TEST(Sweep, ASmallerThresholdTakesMoreIterations) {
-  const SweepPlan plan =
-      sweep_plan_of(kOneRig + R"(, "stops": ["objective"], "error_ranges_cm": [[0, 5]], "trials": 1000)");
-  const SweepSummary run = swept(plan);
+  const SweepSummary run = swept(sweep_of(kOneRig + R"(, "solver": {"error_cm": [0, 5]}, "trials": 1000,
+      "vary": {"gradient": ["printed", "corrected"], "threshold": [1, 1e-2, 1e-4, 1e-6]})"));
   for (std::size_t reading = 0; reading < 2; ++reading)
     for (std::size_t t = 1; t < 4; ++t) {
       const SweepCell &before = run.cells[reading * 4 + t - 1], &after = run.cells[reading * 4 + t];
@@ -128,9 +127,9 @@ TEST(Sweep, ASmallerThresholdTakesMoreIterations) {
 TEST(LinearStart, IsLinearTrilateration) {
   for (const char* rig :
        {"[0.3, 2.3, 0.3, 2.3]", "[0.9, 0.9, 0.9, 1.4]", "[1, 2, 0.4, 1.1, 2.2, 0.7, 1.9, 0.3]"}) {
-    const SweepPlan plan =
-        sweep_plan_of(std::string(R"("rigs": [{"name": "a", "heights_m": )") + rig + R"(}], "trials": 1)");
-    const RangeTrialModel model = trials_of(plan, {0, 0, 0});
+    const SweepSpec spec =
+        sweep_of(std::string(R"("rigs": [{"name": "a", "heights_m": )") + rig + R"(}], "trials": 1)");
+    const RangeTrialModel model = trials_of(spec, spec.cells.front()).model;
     RangeProblem problem;
     problem.count = model.sensors;
     for (int i = 0; i < problem.count; ++i)
@@ -164,9 +163,8 @@ TEST(SweepSums, QuantilesComeFromTheCounts) {
 
 // Trials are solved by chunks; the last one may hold a single trial.
 TEST(Sweep, EveryTrialIsOneOfItsCell) {
-  const SweepSummary run = swept(sweep_plan_of(
-      kOneRig +
-      fmt::format(R"(, "thresholds": [1e-4], "error_ranges_cm": [[0, 5]], "trials": {})", kChunkTrials + 1)));
+  const SweepSummary run = swept(sweep_of(
+      kOneRig + fmt::format(R"(, "solver": {{"error_cm": [0, 5]}}, "trials": {})", kChunkTrials + 1)));
   for (const SweepCell& cell : run.cells) EXPECT_EQ(cell.asked, kChunkTrials + 1);
 }
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/sweep/sweep_plan.h"
+#include "pipeline/sweep/sweep_spec.h"
 
 namespace trilat {
 
@@ -17,10 +17,6 @@ inline SweepSpec sweep_of(const std::string& members) {
       R"({"format": "trilat.study", "version": 1, "kind": "threshold_sweep", "name": "test", )" + members +
       "}";
   return parse_sweep(parse_json(text, "sweep.json"), "sweep.json");
-}
-
-inline SweepPlan sweep_plan_of(const std::string& members) {
-  return make_sweep_plan(sweep_of(members), "sweep.json");
 }
 
 }  // namespace trilat

@@ -10,21 +10,10 @@
 
 namespace trilat {
 
-struct SweepRun {
-  ItemTally tally;
-  SweepSummary summary;
-};
-
-inline SweepRun sweep_into(const std::filesystem::path& output, const SweepPlan& plan,
-                           const StudyOptions& options = {}) {
-  SweepRun run{run_study(sweep_study(plan), output, options), {}};
-  if (options.shard.whole()) run.summary = read_results<SweepSummary>(output);
-  return run;
-}
-
-inline SweepSummary swept(const SweepPlan& plan) {
+inline SweepSummary swept(const SweepSpec& spec) {
   const ScratchFolder folder;
-  return sweep_into(folder / "results", plan).summary;
+  run_study(sweep_study(spec), folder / "results", {});
+  return read_results<SweepSummary>(folder / "results");
 }
 
 }  // namespace trilat

@@ -17,8 +17,9 @@ EVERY_METHOD = [{"method": name} for name in ("linear", "geometric", "nonlinear"
                                               "median", "single", "kalman", "rts", "window")]
 STUDIES = {
     "accuracy": {"campaign": "campaign", "methods": EVERY_METHOD, "alignments": ["mean", "none", "joint_offset"]},
-    "threshold_sweep": {"rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": 20000, "stops": ["objective"],
-                        "max_iterations": 20, "time_problems": 5},
+    "threshold_sweep": {"rigs": [{"name": "a", "heights_m": [0.3, 2.3, 0.3, 2.3]}], "trials": 20000,
+                        "vary": {"gradient": ["printed", "corrected"], "threshold": [1, 1e-2, 1e-4, 1e-6],
+                                 "error_cm": [[15, 30], [5, 15], [0, 5]]}, "max_iterations": 20, "time_problems": 5},
     "calibration": {"campaign": "bench", "frames": 2},
     "clocks": {"campaign": "campaign"},
 }
