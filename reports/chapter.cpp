@@ -53,6 +53,7 @@ Chapter read_chapter(const std::filesystem::path& path, bool paper) {
                                                 stored ? StoredFigures::kFile : StoredTables::kFile));
   Chapter chapter{.provenance = read_provenance(path, head.kind, head.study, head.campaign),
                   .results = path,
+                  .paper = head.paper,
                   .asked = stored->asked,
                   .title = stored->title,
                   .about = stored->about,

@@ -30,8 +30,6 @@ void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
       headline.verdicts.emplace_back(verdict, static_cast<std::size_t>(n));
 }
 
-bool is_of(const Chapter& chapter, StudyKind kind) { return chapter.provenance.kind == kind; }
-
 // The first figure that is wanted of those that answer a question, with what its methods are.
 void put_in_headline(ReportContent& content, Headline& headline, const auto& is_wanted) {
   for (Chapter& chapter : content.chapters)
@@ -70,9 +68,10 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
   headline.origin = simulated && recorded ? "Simulated and recorded data"
                     : simulated           ? "Simulated data"
                                           : "Recorded data";
-  constexpr const char* kWalking = "table3";  // the study that the paper's question is asked of
-  const bool on_the_paper = paper && std::ranges::any_of(content.chapters, [](const Chapter& c) {
-                              return c.provenance.study == kWalking && !c.on_the_paper.empty();
+  // the experiment that the paper's question is asked of
+  const auto is_walking = [](const Chapter& c) { return c.paper == name_of(PaperStudy::table3); };
+  const bool on_the_paper = paper && std::ranges::any_of(content.chapters, [&](const Chapter& c) {
+                              return is_walking(c) && !c.on_the_paper.empty();
                             });
   headline.warnings = warnings_of(content.chapters);
   if (paper) add_verdicts(paper->claims, headline);
@@ -80,13 +79,12 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
     headline.asked =
         "Does nonlinear trilateration of several Kinect v2 find joints better than the plain mean of them?";
     for (const Chapter& chapter : content.chapters)
-      if (chapter.provenance.study == kWalking)
+      if (is_walking(chapter))
         headline.answers.insert(headline.answers.end(), chapter.on_the_paper.begin(),
                                 chapter.on_the_paper.end());
     if (simulated) headline.answers.back() += " " + recorded_sentence(recorded_table());
-    put_in_headline(content, headline, [&](const Chapter& c, const Figure& f) {
-      return is_of(c, StudyKind::accuracy) && c.provenance.study == kWalking && !f.y_names.empty();
-    });
+    put_in_headline(content, headline,
+                    [&](const Chapter& c, const Figure& f) { return is_walking(c) && !f.y_names.empty(); });
     return headline;
   }
   if (changes) {

@@ -8,19 +8,6 @@
 #include "datasets/results/table.h"
 
 namespace trilat {
-namespace {
-
-// The studies that speak of the paper, and the kind of each.
-bool speaks_of_the_paper(const ResultsHead& head) {
-  if (head.kind == StudyKind::accuracy)
-    return head.study == "table3" || head.study == "table2" || head.study.starts_with("sensors_");
-  return (head.kind == StudyKind::threshold_sweep && head.study == "table1") ||
-         (head.kind == StudyKind::calibration && head.study == "calibration") ||
-         (head.kind == StudyKind::clocks && head.study == "clocks");
-}
-
-}  // namespace
-
 ResultsHead read_results_head(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   const std::string place = (folder / "summary.json").string();
@@ -28,6 +15,7 @@ ResultsHead read_results_head(const std::filesystem::path& folder) {
   ResultsHead head{results_kind(object),
                    object.text("study"),
                    object.text("campaign", ""),
+                   object.text("paper", name_of(PaperStudy::none)),
                    object.boolean("simulated", true),
                    {}};
   if (!json.contains("claims")) return head;
@@ -43,16 +31,18 @@ PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& resu
   std::map<std::string, std::filesystem::path> known;
   for (const std::filesystem::path& folder : results) {
     const ResultsHead head = read_results_head(folder);
-    if (!speaks_of_the_paper(head)) continue;
-    const auto [found, is_new] = known.emplace(head.study, folder);
+    if (head.paper == name_of(PaperStudy::none)) continue;
+    const bool may_be_several = head.paper == name_of(PaperStudy::sensors);  // each with rigs of its own
+    const auto [found, is_new] =
+        known.emplace(may_be_several ? head.paper + ": " + head.study : head.paper, folder);
     if (!is_new)
       throw InputError(
           folder.string(),
-          fmt::format(
-              "holds results of the study \"{}\", as {} does; the paper's claims are judged by one of them",
-              head.study, found->second.string()));
+          fmt::format("repeats the paper's \"{}\", as {} does; the paper's claims are judged by one of them",
+                      head.paper, found->second.string()));
     evidence.any_simulated |= head.simulated;
-    evidence.is_of_the_paper |= head.study == "table3" || head.study == "table2";
+    evidence.is_of_the_paper |=
+        head.paper == name_of(PaperStudy::table3) || head.paper == name_of(PaperStudy::table2);
     evidence.claims.insert(evidence.claims.end(), head.claims.begin(), head.claims.end());
     if (const auto stored = read_beside<StoredTables>(folder))
       evidence.errata.insert(stored->errata.begin(), stored->errata.end());

@@ -16,6 +16,7 @@ struct ResultsHead {
   StudyKind kind = StudyKind::accuracy;
   std::string study;
   std::string campaign;  // empty where the study has none
+  std::string paper;     // of kPaperStudies
   bool simulated = true;
   std::vector<ClaimNumber> claims;  // what the study says of the paper
 };

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "datasets/base/described.h"
 #include "datasets/base/files.h"
@@ -17,6 +18,16 @@ enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration, cl
 std::string name_of(StudyKind kind);  // "accuracy", …
 // What the study says; InputError when that is none.
 StudyKind study_kind(const Json& study, const std::string& place);
+
+// The experiment of the paper that a study repeats, whose claims its numbers are evidence on.
+enum class PaperStudy : std::uint8_t { none, table1, table2, table3, sensors, calibration, clocks };
+inline const std::vector<std::string> kPaperStudies{"none",    "table1",      "table2", "table3",
+                                                    "sensors", "calibration", "clocks"};
+inline constexpr const char* kPaperStudyMeaning =
+    "the paper's experiment that the study repeats: its claims are judged by these results";
+inline const std::string& name_of(PaperStudy paper) {
+  return kPaperStudies.at(static_cast<std::size_t>(paper));
+}
 
 // Which reader `folder` wants; InputError when it is no results folder of this version.
 StudyKind results_kind(const std::filesystem::path& folder);

@@ -216,6 +216,7 @@ struct ResultsSummary {
   static constexpr StudyKind kKind = StudyKind::accuracy;
   std::string study;
   std::string campaign;
+  std::string paper = name_of(PaperStudy::none);
   bool simulated = false;
   std::uint64_t takes = 0;
   std::uint64_t takes_failed = 0;
@@ -245,9 +246,9 @@ struct ResultsSummary {
     return !cross_checks.empty() && std::ranges::all_of(cross_checks, &CrossCheck::passed);
   }
 
-  TRILAT_FIELDS(study, campaign, simulated, takes, takes_failed, participants, methods, legend, families,
-                family_cells, best, reference, conditions, groups, alignments, cells, differences, bodies,
-                by_take, notes, truth, cross_checks, claims)
+  TRILAT_FIELDS(study, campaign, paper, simulated, takes, takes_failed, participants, methods, legend,
+                families, family_cells, best, reference, conditions, groups, alignments, cells, differences,
+                bodies, by_take, notes, truth, cross_checks, claims)
   void check(const JsonObject& object) const;
 };
 

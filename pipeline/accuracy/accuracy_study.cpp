@@ -109,6 +109,7 @@ Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Wa
 ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   ResultsSummary summary;
   summary.study = plan.study.name;
+  summary.paper = name_of(plan.study.paper);
   summary.campaign = plan.campaign.name;
   summary.simulated = plan.simulated;
   if (leaves_sensors_out(plan)) summary.truth = kLeftOutTruth;
@@ -211,7 +212,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     const Take& take = run.plan.takes[t].take;
     if (results[t].evaluated)
       tables[t] = {take.id, take.participant, take.activity, errors_of_take(run, t, *of_take[t])};
-    if (results[t].evaluated && needs_movement(run.plan.study.name))
+    if (results[t].evaluated && run.plan.study.paper == PaperStudy::table3)
       add_movement(run.plan, *of_take[t], tables[t]);
     watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
   });

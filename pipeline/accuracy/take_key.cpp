@@ -13,8 +13,8 @@ namespace trilat {
 namespace {
 
 // Settings of a study that a take's samples do not depend on.
-constexpr const char* kOfTheSummary[] = {"name",       "conditions",     "occluded_apart",     "reference",
-                                         "alignments", "training_share", "cross_check_limit_m"};
+constexpr const char* kOfTheSummary[] = {"name",      "paper",      "conditions",     "occluded_apart",
+                                         "reference", "alignments", "training_share", "cross_check_limit_m"};
 
 // Everything that a take is; its files by their content.
 Json json_of(const Take& take, std::span<const TakeInput> inputs) {

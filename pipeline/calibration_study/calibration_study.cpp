@@ -94,6 +94,7 @@ CalibrationSummary summarise(const CalibrationSpec& spec, const Campaign& campai
                              const std::vector<Recording>& recordings, const Outcomes& outcomes) {
   CalibrationSummary summary;
   summary.study = spec.name;
+  summary.paper = name_of(spec.paper);
   summary.campaign = campaign.name;
   summary.simulated = campaign.simulated;
   for (const Recording& recording : recordings) {
@@ -151,7 +152,7 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
 
 Json resolved_json(const CalibrationSpec& given) {
   CalibrationSpec spec = given;
-  return resolved_recordings_study(spec.name, name_of(StudyKind::calibration),
+  return resolved_recordings_study(spec, name_of(StudyKind::calibration),
                                    [&](Settings& settings) { tell(settings, spec); });
 }
 

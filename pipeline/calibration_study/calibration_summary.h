@@ -89,13 +89,14 @@ struct WallRecording {
 struct CalibrationSummary {
   static constexpr StudyKind kKind = StudyKind::calibration;
   std::string study, campaign;
+  std::string paper = name_of(PaperStudy::none);
   bool simulated = false;  // any recording
   std::vector<WandRecording> wands;
   std::vector<WallRow> walls;
   std::vector<std::string> failed;  // recordings that could not be evaluated, each with the reason
   std::vector<ClaimNumber> claims;  // of the paper, that the study bears on
 
-  TRILAT_FIELDS(study, campaign, simulated, wands, walls, failed, claims)
+  TRILAT_FIELDS(study, campaign, paper, simulated, wands, walls, failed, claims)
 };
 
 }  // namespace trilat

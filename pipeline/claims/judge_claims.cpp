@@ -28,10 +28,9 @@ JudgedClaim claim_with(const PaperClaim& claim, std::span<const ClaimNumber> num
   }
   if (!missing.empty()) judged.numbers.clear();
   if (!judged.numbers.empty()) return judged;
-  std::string_view study = claim.study;
-  if (study.ends_with("_*")) study.remove_suffix(2);
   judged.verdict = kCannotTest;
-  judged.reason = "needs " + (missing.empty() ? fmt::format("results of the study {}", study) : missing);
+  judged.reason =
+      "needs " + (missing.empty() ? fmt::format("results of the study {}", claim.study) : missing);
   return judged;
 }
 

@@ -103,7 +103,7 @@ const std::array kClaims{
     PaperClaim{
         "more_sensors", "Introduction",
         "More sensors make trilateration more accurate: eight against sets of four of them, on each rig",
-        "no number", ClaimKind::tested, "sensors_*", more_than(1), kLastDigit3,
+        "no number", ClaimKind::tested, "sensors", more_than(1), kLastDigit3,
         +[](const Errors& e) {
           return e.difference({"nonlinear, 4 sensors", "nonlinear, 8 sensors"});
         }},
@@ -269,13 +269,13 @@ void add_numbers(const char* id, const std::optional<ClaimBound>& bound, const M
   for (const Measurement& one : measured) numbers.push_back(claim_number(id, one, bound));
 }
 
-// The numbers of every claim and erratum that is measured in such a study.
+// The numbers of every claim and erratum that such a repetition of the paper measures.
 template <class Source>
-std::vector<ClaimNumber> numbers_of(const std::string& study, const Source& source) {
+std::vector<ClaimNumber> numbers_of(const std::string& paper, const Source& source) {
   std::vector<ClaimNumber> numbers;
   const auto measured_by = [&](const auto& row) -> Measurements (*)(const Source&) {
     const auto* measure = std::get_if<Measurements (*)(const Source&)>(&row.measure);
-    return measure && is_evidence(row.study, study) ? *measure : nullptr;
+    return measure && row.study == paper ? *measure : nullptr;
   };
   for (const PaperClaim& claim : kClaims)
     if (const auto measure = measured_by(claim)) add_numbers(claim.id, claim.bound, measure(source), numbers);
@@ -290,25 +290,19 @@ std::vector<ClaimNumber> numbers_of(const std::string& study, const Source& sour
 std::span<const PaperClaim> paper_claims() { return kClaims; }
 std::span<const ErratumEffect> erratum_effects() { return kEffects; }
 
-bool is_evidence(const std::string& study, const std::string& name) {
-  return study.ends_with('*') ? name.starts_with(study.substr(0, study.size() - 1)) : name == study;
-}
-
-bool needs_movement(const std::string& study) { return is_evidence("table3", study); }
-
 std::vector<ClaimNumber> claims_of(const StudyErrors& errors) {
-  std::vector<ClaimNumber> numbers = numbers_of(errors.names().study, ErrorMeasures(errors));
+  std::vector<ClaimNumber> numbers = numbers_of(errors.names().paper, ErrorMeasures(errors));
   if (errors.names().left_out())
     for (ClaimNumber& number : numbers)
       number = {.claim = number.claim, .missing = "motion capture: differences from a sensor are no errors"};
   return numbers;
 }
-std::vector<ClaimNumber> claims_of(const SweepSummary& summary) { return numbers_of(summary.study, summary); }
+std::vector<ClaimNumber> claims_of(const SweepSummary& summary) { return numbers_of(summary.paper, summary); }
 std::vector<ClaimNumber> claims_of(const ClocksSummary& summary) {
-  return numbers_of(summary.study, summary);
+  return numbers_of(summary.paper, summary);
 }
 std::vector<ClaimNumber> claims_of(const CalibrationSummary& summary) {
-  return numbers_of(summary.study, summary);
+  return numbers_of(summary.paper, summary);
 }
 
 }  // namespace trilat

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -30,7 +31,7 @@ enum class ClaimKind {
 struct PaperClaim {
   const char *id, *where, *text, *printed;
   ClaimKind kind = ClaimKind::tested;
-  const char* study;  // whose results it is judged by; "sensors_*": each whose name begins so
+  std::string_view study;  // of kPaperStudies: the repetition whose results it is judged by
   std::optional<ClaimBound> bound;
   const char* why;  // this margin
   ClaimMeasure measure;
@@ -39,16 +40,11 @@ std::span<const PaperClaim> paper_claims();
 
 // Effect of an erratum on errors: the method as printed against the corrected one.
 struct ErratumEffect {
-  const char *id, *study;
+  const char* id;
+  std::string_view study;
   ClaimMeasure measure;
 };
 std::span<const ErratumEffect> erratum_effects();
-
-// Whether results of the study with this name are what `study` of a claim asks for.
-bool is_evidence(const std::string& study, const std::string& name);
-
-// Whether claims that are judged by results of this study ask how its truth moves (TakeTable::movement).
-bool needs_movement(const std::string& study);
 
 // Every number that a study's results bear on, of claims and errata, as it is stored with them.
 std::vector<ClaimNumber> claims_of(const StudyErrors& errors);

@@ -65,9 +65,9 @@ OutputMark report_mark(const std::vector<std::filesystem::path>& results) {
 
 PaperFindings judged_paper(const std::vector<std::filesystem::path>& results) {
   if (std::optional<PaperFindings> findings = judge_paper(results)) return std::move(*findings);
-  throw InputError(
-      "--paper",
-      "needs results of a study that is named table3 or table2: the paper's claims are judged by these");
+  throw InputError("--paper",
+                   "needs results of a study with \"paper\": \"table3\" or \"table2\": the paper's claims "
+                   "are judged by these");
 }
 
 int report(const ReportArguments& arguments) {

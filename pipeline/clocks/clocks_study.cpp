@@ -219,6 +219,7 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
   }
   if (trials.empty()) throw InputError("campaign \"" + campaign.name + '"', opened.left_out.front());
   summary.study = spec.name;
+  summary.paper = name_of(spec.paper);
   summary.campaign = campaign.name;
   summary.simulated = campaign.simulated || opened.simulated;
   summary.recordings = recordings.size();
@@ -245,7 +246,7 @@ ClocksSpec parse_clocks_spec(const Json& json, const std::string& place, const f
 
 Json resolved_json(const ClocksSpec& given) {
   ClocksSpec spec = given;
-  return resolved_recordings_study(spec.name, name_of(StudyKind::clocks),
+  return resolved_recordings_study(spec, name_of(StudyKind::clocks),
                                    [&](Settings& settings) { tell(settings, spec); });
 }
 

@@ -94,6 +94,7 @@ struct MachineRow {
 struct ClocksSummary {
   static constexpr StudyKind kKind = StudyKind::clocks;
   std::string study, campaign;
+  std::string paper = name_of(PaperStudy::none);
   bool simulated = false;
   std::uint64_t recordings = 0;
   double late_s = 0.0;  // the limit of the queue, and of a frame in time
@@ -103,7 +104,8 @@ struct ClocksSummary {
   std::vector<std::string> left_out;  // takes and sensors without clocks to look at, each with the reason
   std::vector<ClaimNumber> claims;    // of the paper, that the study bears on
 
-  TRILAT_FIELDS(study, campaign, simulated, recordings, late_s, clocks, queues, machines, left_out, claims)
+  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, late_s, clocks, queues, machines, left_out,
+                claims)
 };
 
 }  // namespace trilat

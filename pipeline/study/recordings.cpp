@@ -20,6 +20,7 @@ RecordingsStudy parse_recordings_study(const Json& json, const std::string& plac
   if (const std::string campaign = object.text("campaign", ""); !campaign.empty())
     study.campaign = folder / campaign;
   Settings settings(object);
+  settings.choice("paper", study.paper, kPaperStudies, kPaperStudyMeaning);
   tell(settings);
   object.about({{"name", "of the study"},
                 {"campaign", "folder of recordings, relative to this file; `--campaign` goes first"}});
@@ -27,10 +28,11 @@ RecordingsStudy parse_recordings_study(const Json& json, const std::string& plac
   return study;
 }
 
-Json resolved_recordings_study(const std::string& name, const std::string& kind,
+Json resolved_recordings_study(RecordingsStudy study, const std::string& kind,
                                const std::function<void(Settings&)>& tell) {
-  Json json{{"format", kStudyFormat}, {"version", 1}, {"kind", kind}, {"name", name}};
+  Json json{{"format", kStudyFormat}, {"version", 1}, {"kind", kind}, {"name", study.name}};
   Settings settings(json);
+  settings.choice("paper", study.paper, kPaperStudies, kPaperStudyMeaning);
   tell(settings);
   return json;
 }

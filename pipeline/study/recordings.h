@@ -7,13 +7,16 @@
 #include <vector>
 
 #include "datasets/base/settings.h"
+#include "datasets/results/results_file.h"
 #include "pipeline/study/hash_cache.h"
 
 namespace trilat {
 
-// Head of a study that reads recordings: its name, and the campaign's folder where its file states one.
+// Head of a study that reads recordings: its name, what it repeats, and the campaign's folder where its file
+// states one.
 struct RecordingsStudy {
   std::string name;
+  PaperStudy paper = PaperStudy::none;
   std::filesystem::path campaign = {};  // relative to the study's file; may be given on the command line
 };
 
@@ -23,7 +26,7 @@ RecordingsStudy parse_recordings_study(const Json& json, const std::string& plac
                                        const std::filesystem::path& folder, const std::string& kind,
                                        const std::function<void(Settings&)>& tell);
 // Every setting written out, defaults included; the campaign is not one.
-Json resolved_recordings_study(const std::string& name, const std::string& kind,
+Json resolved_recordings_study(RecordingsStudy study, const std::string& kind,
                                const std::function<void(Settings&)>& tell);
 
 // A file that a study reads, and what it is of which take or recording.

@@ -286,6 +286,7 @@ void check_size(const SweepSpec& spec, const std::string& place) {
 }
 
 void tell_counts(Settings& s, SweepSpec& spec) {
+  s.choice("paper", spec.paper, kPaperStudies, kPaperStudyMeaning);
   s("trials", spec.trials, {1, kMostTrials}, "of each cell");
   s("seed", spec.seed, "of every random number");
   s("max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");

@@ -34,6 +34,7 @@ inline constexpr std::uint64_t kMostSweepIterations = 20'000;
 // study.json, format 1, kind "threshold_sweep": trials for every combination of the values that vary.
 struct SweepSpec {
   std::string name;
+  PaperStudy paper = PaperStudy::none;
   std::vector<SweepRig> rigs;
   SweepSetting solver;  // of every cell, but for what varies
   std::vector<std::pair<const SweepChoice*, std::vector<std::string>>> varied;

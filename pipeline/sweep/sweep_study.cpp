@@ -154,6 +154,7 @@ void gather_times(const SweepSpec& spec, const Outcomes& outcomes, const std::fi
 SweepSummary summary_of(const SweepSpec& spec, const Outcomes& outcomes) {
   SweepSummary s;
   s.study = spec.name;
+  s.paper = name_of(spec.paper);
   s.seed = spec.seed;
   s.trials = spec.trials;
   s.max_iterations = spec.max_iterations;

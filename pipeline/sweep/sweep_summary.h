@@ -72,6 +72,7 @@ struct SweepCell {
 struct SweepSummary {
   static constexpr StudyKind kKind = StudyKind::threshold_sweep;
   std::string study;
+  std::string paper = name_of(PaperStudy::none);
   bool simulated = true;
   std::uint64_t seed = 0;
   std::uint64_t trials = 0;  // of each cell
@@ -87,7 +88,8 @@ struct SweepSummary {
     return cells.at((reading * thresholds + threshold) * ranges + range);
   }
 
-  TRILAT_FIELDS(study, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, cells, claims)
+  TRILAT_FIELDS(study, paper, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, cells,
+                claims)
   void check(const JsonObject& object) const {
     if (thresholds == 0 || ranges == 0 || cells.size() % (thresholds * ranges) != 0)
       object.refuse("cells", "must hold one cell for every reading, threshold and range");

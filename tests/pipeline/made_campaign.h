@@ -23,6 +23,7 @@ struct MadeStudy {
   MadeStudy(const std::string& study, std::vector<std::string> joints_, std::vector<std::string> methods)
       : joints(std::move(joints_)) {
     names.study = study;
+    names.paper = study.starts_with("sensors") ? "sensors" : study;
     names.simulated = true;
     names.methods = std::move(methods);
     names.alignments = {"mean"};

@@ -104,11 +104,14 @@ TEST(Reuse, EverySettingThatDecidesSamplesIsInTheKeyAndNoOther) {
       {"sensor_clocks", R"("causal")"},
       {"clock_error_s", "0.01"},
       {"methods", R"([{"method": "nonlinear", "max_iterations": 7}])"}};
-  const std::map<std::string, std::string> others{
-      {"name", R"("another")"},       {"conditions", R"(["walking", "arm_swing"])"},
-      {"occluded_apart", "true"},     {"reference", R"("nonlinear")"},
-      {"alignments", R"(["first"])"}, {"training_share", "0.3"},
-      {"cross_check_limit_m", "1e-5"}};
+  const std::map<std::string, std::string> others{{"name", R"("another")"},
+                                                  {"paper", R"("table3")"},
+                                                  {"conditions", R"(["walking", "arm_swing"])"},
+                                                  {"occluded_apart", "true"},
+                                                  {"reference", R"("nonlinear")"},
+                                                  {"alignments", R"(["first"])"},
+                                                  {"training_share", "0.3"},
+                                                  {"cross_check_limit_m", "1e-5"}};
   const auto keys_of = [&](const std::string& key, const std::string& value) {
     Json json = parse_json(R"({"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "test",
                                "methods": [{"method": "nonlinear"}]})",

@@ -21,7 +21,7 @@ BENCH = {"format": "trilat.simulation", "version": 1, "name": "bench", "particip
          "bench": {"places": 6, "hold_s": 0.07, "walls_m": [2], "wall_s": 0.2}}
 SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "made", "seed": 5, "participants": 4, "body_tracker": {},
               "activities": [{"name": "walking", "duration_s": 8}, {"name": "arm_swing", "duration_s": 8}]}
-STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "table3", "alignments": ["mean", "none"],
+STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "table3", "paper": "table3", "alignments": ["mean", "none"],
          "methods": [{"method": "nonlinear"}, {"method": "linear"}, {"method": "mean"}, {"method": "single", "sensors": ["k2"]}]}
 UNSETTLED = {"run.json", "hashes.json", "timings.json"}  # of the machine and of the time
 

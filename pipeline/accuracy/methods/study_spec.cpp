@@ -93,6 +93,7 @@ void check_names(JsonObject& object, const StudySpec& spec) {
 
 void tell(Settings& s, StudySpec& spec) {
   JsonObject* object = s.reading();
+  s.choice("paper", spec.paper, kPaperStudies, kPaperStudyMeaning);
   s.texts("sensors", spec.sensors, "those that are used; empty: those of the take that has most");
   s.texts("joints", spec.joints, "that are judged; empty: all that the mappings map");
   s.texts("conditions", spec.conditions, "activities whose takes are evaluated; empty: all");

@@ -9,6 +9,7 @@
 
 #include "datasets/base/strict_json.h"
 #include "datasets/base/time.h"
+#include "datasets/results/results_file.h"
 #include "evaluators/alignment/alignment.h"
 #include "pipeline/accuracy/methods/method_spec.h"
 
@@ -50,6 +51,7 @@ struct Stage {
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
 struct StudySpec {
   std::string name;
+  PaperStudy paper = PaperStudy::none;
   std::filesystem::path campaign;    // relative to the study's file; may be given on the command line instead
   std::vector<std::string> sensors;  // empty: those of the take that has most, the first of equals
   std::vector<std::string> joints;   // empty: all that the mappings map
