@@ -213,30 +213,42 @@ TEST(StatedDistances, WhatCannotBeOnARulerIsRefusedWithItsLine) {
               HasSubstr("lies outside the recording, whose depth lasts 0.6 s"));
   EXPECT_THAT(said(head + "0,0.5,k1\n"), HasSubstr("has 3 cells under 4 columns"));
   EXPECT_THAT(said("from_s,to_s,sensor\n"), HasSubstr("has no column distance_m"));
+  EXPECT_EQ(said("\xef\xbb\xbf"
+                 "from_s, to_s, sensor, distance_m\n0, 0.5, k1, 2\n"),
+            "no error");
   EXPECT_THAT(said(head), HasSubstr("states no place"));
 }
 
-// Another place's distances, and those of the ball's surface.
+// Distances of something else, of the other sensor, to the ball's surface; angles in radians.
 TEST(StatedDistances, ThoseOfSomethingElseAreRefusedOrRemarkedOn) {
   const ScratchFolder folder;
   std::vector<DepthScene> scenes;
   for (std::size_t p = 0; p < 4; ++p) scenes.push_back(ball_in_room(kPlaces[p]));
-  record(folder / "ball.h5", rig_of(1), scenes, header_of(1));
-  const auto measured = [&](double more_m) {
-    std::string text = "from_s,to_s,sensor,distance_m\n";
+  const std::vector<RigidTransform> rig = rig_of(2);
+  record(folder / "ball.h5", rig, scenes, header_of(2));
+  const auto measured = [&](double more_m, bool exchanged, double angle_unit) {
+    std::string text = "from_s,to_s,sensor,distance_m,angle_deg\n";
     for (std::size_t p = 0; p < 4; ++p)
-      text += fmt::format("{0:.2f},{1:.2f},k1,{2:.4f}\n", 1.2 * static_cast<double>(p),
-                          1.2 * static_cast<double>(p) + 0.6,
-                          (kPlaces[p] - rig_of(1)[0].translation_m).norm() + more_m);
+      for (std::size_t s = 0; s < 2; ++s) {
+        const Eigen::Vector3d ball_m = rig[exchanged ? 1 - s : s].inverse() * kPlaces[p];
+        const double angle_rad = std::atan2(ball_m.head<2>().norm(), ball_m.z());
+        text += fmt::format("{0:.2f},{1:.2f},k{2},{3:.4f},{4:.4f}\n", 1.2 * static_cast<double>(p),
+                            1.2 * static_cast<double>(p) + 0.6, s + 1, ball_m.norm() + more_m,
+                            angle_rad * angle_unit);
+      }
     write_file(folder / "places.csv", text);
     return measure_stated_distances({folder / "ball.h5", folder / "places.csv"}, 3, {});
   };
-  EXPECT_THAT(measured(0.0).notes, SizeIs(0));
-  EXPECT_THAT(measured(-0.075).notes,
+  EXPECT_THAT(measured(0.0, false, kDegreesPerRad).notes, SizeIs(0));
+  EXPECT_THAT(measured(-0.075, false, kDegreesPerRad).notes,
               testing::ElementsAre(HasSubstr("the ball is found 7.5 cm farther than stated")));
-  EXPECT_THAT(message_of([&] { measured(0.6); }),
-              AllOf(HasSubstr("places.csv"), HasSubstr("sensor \"k1\""), HasSubstr("they differ by 0.60 m"),
-                    HasSubstr("-0.60")));
+  EXPECT_THAT(message_of([&] { measured(0.9, false, kDegreesPerRad); }),
+              AllOf(HasSubstr("places.csv"), HasSubstr("sensor \"k1\""),
+                    HasSubstr("by 0.90 m, the median of 4 places; are the times")));
+  EXPECT_THAT(message_of([&] { measured(0.0, true, kDegreesPerRad); }),
+              HasSubstr("; they are those of sensor \"k2\""));
+  EXPECT_THAT(message_of([&] { measured(0.0, false, 1.0); }),
+              AllOf(HasSubstr("states angles of sensor"), HasSubstr("from the lens' axis, in degrees")));
 }
 
 SimulationSpec exact_wand() {
