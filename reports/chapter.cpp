@@ -19,8 +19,8 @@ namespace {
 constexpr std::ptrdiff_t kFirstFigures = 3;
 
 // Beside the paper its own tables answer.
-void put_the_paper_first(std::vector<Table>& tables) {
-  for (Table& table : tables) add_printed(table);
+void put_the_paper_first(std::vector<Table>& tables, bool simulated) {
+  for (Table& table : tables) add_printed(table, simulated);
   for (const char* answers : {"table2", "table3"}) {
     if (std::ranges::find(tables, answers, &Table::printed) == tables.end()) continue;
     for (Table& table : tables)
@@ -66,7 +66,7 @@ Chapter read_chapter(const std::filesystem::path& path, bool paper) {
   if (head.campaign.empty()) chapter.sentences = stored->findings;
   chapter.sentences.insert(chapter.sentences.end(), stored->sentences.begin(), stored->sentences.end());
   if (paper) {
-    put_the_paper_first(stored->tables);
+    put_the_paper_first(stored->tables, head.simulated);
     for (Figure& figure : figures->figures) add_printed(figure);
   }
   std::ranges::stable_sort(stored->tables, {}, &Table::shown);

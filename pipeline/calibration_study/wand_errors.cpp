@@ -508,7 +508,7 @@ WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibra
   recording.ball_radius_m = wand.ball_radius_m;
   recording.frames = frames;
   calibrate_views(views, session.path().string(), options);  // says what a recording is lacking
-  if (stated && options.world)
+  if (stated && options.world && stated->world == "optitrack")
     for (const auto& [name, method] : {std::pair{"wand, refined", WandMethod::wand},
                                        std::pair{"two positions, corrected", WandMethod::two_positions},
                                        std::pair{"two positions as printed", WandMethod::printed}})

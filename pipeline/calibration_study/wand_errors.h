@@ -44,8 +44,8 @@ WandRecording measure_stated_distances(const StatedDistances& stated, std::uint6
 
 // The same of a wand's recording. A tenth of the places after the third is left out in turn: in the poses
 // that the others give, the truth is where OptiTrack saw the ball there, or, without an export, where the
-// other sensors did. Poses by each way to calibrate are held against `stated`, where OptiTrack's world is
-// that of it. InputError says what a calibration is lacking.
+// other sensors did. Poses by each way to calibrate are held against `stated`, where both are in
+// OptiTrack's world. InputError says what a calibration is lacking.
 WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibration>& stated,
                            std::uint64_t frames, const Watch& watch);
 

@@ -23,7 +23,7 @@ std::string group_of_column(const TableColumn& column) {
 
 }  // namespace
 
-void add_printed(Table& table) {
+void add_printed(Table& table, bool simulated) {
   if (table.printed != kTable3) return;
   const PrintedTable3 paper = printed_table3();
   std::vector<std::string> groups;
@@ -34,7 +34,6 @@ void add_printed(Table& table) {
       const double cm = printed_cm(paper, groups, group_of_column(table.columns[c]), row.front().text);
       if (std::isfinite(cm)) row[c].beside = fmt::format("paper {:.1f}", cm);
     }
-  const bool simulated = table.title.find("simulated") != std::string::npos;
   table.title = "Table III: " + table.title;
   add_notes(table, "table3", {{"source", paper.source}});
   if (simulated) add_notes(table, "table3_simulated");

@@ -294,6 +294,10 @@ TEST(WandErrors, PlacesAreLeftOutInTurnAndKnownByOptiTrackOrByTheOtherSensors) {
     EXPECT_LT(recording.poses[0].position_m, 3.0 * std::sqrt(3.0) * recording.poses[0].position_sigma_m);
     EXPECT_TRUE(std::isnan(recording.poses[4].position_sigma_m));
   }
+  // of a calibration in a world of its own nothing is said
+  Calibration other = read_calibration(campaign.takes[0].calibration);
+  other.world = "wand";
+  EXPECT_THAT(measure_wand(*campaign.wand, other, 1, {}).poses, SizeIs(0));
 }
 
 // It hangs free for its first three places of 1.8 s, and then somebody holds it.
