@@ -9,7 +9,7 @@
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
 #include "pipeline/calibration_study/calibration_tables.h"
-#include "pipeline/calibration_study/wand_errors.h"
+#include "pipeline/calibration_study/place_samples.h"
 
 namespace trilat {
 namespace {

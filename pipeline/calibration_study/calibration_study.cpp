@@ -7,9 +7,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/declared_parameters.h"
+#include "pipeline/calibration_study/calibration_errors.h"
 #include "pipeline/calibration_study/calibration_tables.h"
-#include "pipeline/calibration_study/wall_errors.h"
-#include "pipeline/calibration_study/wand_errors.h"
 #include "pipeline/claims/paper_claims.h"
 
 namespace trilat {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/calibration_study/wall_errors.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +10,7 @@
 #include "datasets/base/units.h"
 #include "datasets/depth/depth_rays.h"
 #include "datasets/session/session_reader.h"
+#include "pipeline/calibration_study/calibration_errors.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {
