@@ -116,12 +116,7 @@ void add_poses(const char* name, WandMethod method, const SessionReader& session
 
 WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibration>& stated,
                            std::uint64_t frames, const Watch& watch) {
-  const std::vector<SessionReader> sessions([&] {
-    std::vector<SessionReader> one;
-    one.emplace_back(wand.session);
-    return one;
-  }());
-  const SessionReader& session = sessions.front();
+  const SessionReader session(wand.session);
   CalibrateWandOptions options;
   options.search.find.ball_radius_m = wand.ball_radius_m;
   options.search.watch = {watch.stop_requested, [&](double share) { watch.tell(0.5 * share); }};
@@ -129,7 +124,7 @@ WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibra
     options.world = WandInWorld{wand.mocap, wand.asset, wand.mocap_start_host_ns};
     options.world->track = read_wand_track(wand.mocap, wand.asset);
   }
-  WandViews views = view_wand(sessions, options);
+  WandViews views = view_wand({&session, 1}, options);
   WandRecording recording;
   recording.truth = options.world ? WandTruth::optitrack : WandTruth::sensors;
   recording.ball_radius_m = wand.ball_radius_m;
