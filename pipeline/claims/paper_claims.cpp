@@ -195,9 +195,9 @@ const std::array kClaims{
         "C = 1e-4 is a compromise: 1e-6 takes more steps, 1 is less accurate, at every error range",
         "7.3 cm in 10 us against 6.6 cm in 783 us and 17.2 cm in less than 0.1 us", ClaimKind::listed,
         "table1", more_than(50),
-        "of the study's readings whose errors all lie within a factor of 2 of the printed ones, with nine "
+        "of the study's interpretations whose errors all lie within a factor of 2 of the printed ones, with nine "
         "trials in ten answered; more steps: twice as many; less accurate: by a tenth",
-        +[](const SweepSummary& s) { return acceptable_readings(s); }},
+        +[](const SweepSummary& s) { return acceptable_interpretations(s); }},
     PaperClaim{"percentages",
                "abstract, Table III",
                "By how many percent it is better than linear and geometric",

@@ -42,14 +42,15 @@ WeightedRatio errors_in(const WandRecording& recording, const WandZone& zone) {
 
 Measurements lacking_wand() { return lacking("a calibration study with a ball at stated distances"); }
 
-// Whether the last threshold but one is a compromise in a reading, at every error range: the last one takes
-// twice its steps, and the first one errs by a tenth more.
-bool is_compromise(const SweepSummary& s, std::size_t reading) {
+// Whether the last threshold but one is a compromise in an interpretation, at every error range: the last one
+// takes twice its steps, and the first one errs by a tenth more.
+bool is_compromise(const SweepSummary& s, std::size_t interpretation) {
   constexpr double kMoreSteps = 2.0, kLessAccurate = 1.1;
   const std::size_t last = s.thresholds - 1;
   for (std::size_t range = 0; range < s.ranges; ++range) {
-    const SweepCell &first = s.cell(reading, 0, range), &chosen = s.cell(reading, last - 1, range),
-                    &smallest = s.cell(reading, last, range);
+    const SweepCell &first = s.cell(interpretation, 0, range),
+                    &chosen = s.cell(interpretation, last - 1, range),
+                    &smallest = s.cell(interpretation, last, range);
     if (!(smallest.mean_iterations >= kMoreSteps * chosen.mean_iterations) ||
         !(first.mae_m >= kLessAccurate * chosen.mae_m))
       return false;
@@ -57,19 +58,19 @@ bool is_compromise(const SweepSummary& s, std::size_t reading) {
   return true;
 }
 
-// Outcome of one reading of Table I.
-struct Reading {
+// Outcome of one interpretation of Table I.
+struct Interpretation {
   bool is_near = false;        // every error, as the mean distance or as the mean over axes
   bool is_compromise = false;  // C = 1e-4
 };
 
-Reading judge(const SweepSummary& s, std::size_t reading, const PrintedTable1& paper) {
+Interpretation judge(const SweepSummary& s, std::size_t interpretation, const PrintedTable1& paper) {
   constexpr double kNear = 2.0, kAnswered = 0.9;
-  Reading result{.is_compromise = is_compromise(s, reading)};
+  Interpretation result{.is_compromise = is_compromise(s, interpretation)};
   std::array<bool, 2> near{true, true};
   for (std::size_t range = 0; range < s.ranges; ++range)
     for (std::size_t t = 0; t < s.thresholds; ++t) {
-      const SweepCell& cell = s.cell(reading, t, range);
+      const SweepCell& cell = s.cell(interpretation, t, range);
       const double printed_m = paper.rows[t].error_cm[range] / kCentimetresPerMetre;
       const bool answers = static_cast<double>(cell.answered) >= kAnswered * static_cast<double>(cell.asked);
       const std::array<double, 2> error_m{cell.mae_m, cell.axis_mean_mae_m()};
@@ -82,28 +83,30 @@ Reading judge(const SweepSummary& s, std::size_t reading, const PrintedTable1& p
 
 }  // namespace
 
-Measurements acceptable_readings(const SweepSummary& s) {
+Measurements acceptable_interpretations(const SweepSummary& s) {
   const PrintedTable1 paper = printed_table1();
   if (s.thresholds != paper.rows.size() || s.ranges != paper.ranges_cm.size() || s.thresholds < 3)
     return lacking("a sweep over the thresholds and error ranges of Table I");
   struct Count {
     int near = 0, compromise = 0;
   } printed, corrected;
-  for (std::size_t r = 0; r < s.readings(); ++r) {
-    const Reading reading = judge(s, r, paper);
-    if (!reading.is_near) continue;
+  for (std::size_t r = 0; r < s.interpretations(); ++r) {
+    const Interpretation interpretation = judge(s, r, paper);
+    if (!interpretation.is_near) continue;
     Count& count = s.cell(r, 0, 0).setting.gradient == "printed" ? printed : corrected;
     ++count.near;
-    count.compromise += reading.is_compromise;
+    count.compromise += interpretation.is_compromise;
   }
   const int near = printed.near + corrected.near;
-  if (near == 0) return lacking("a reading of Table I whose every error is that near the printed one");
-  return {{.what = fmt::format(
-               "of {} acceptable readings of {}: {} of {} with equation 17 as printed, {} of {} corrected",
-               near, s.readings(), printed.compromise, printed.near, corrected.compromise, corrected.near),
-           .unit = "%",
-           .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
-           .over = "readings, all of them listed"}};
+  if (near == 0)
+    return lacking("an interpretation of Table I whose every error is that near the printed one");
+  return {
+      {.what = fmt::format(
+           "of {} acceptable interpretations of {}: {} of {} with equation 17 as printed, {} of {} corrected",
+           near, s.interpretations(), printed.compromise, printed.near, corrected.compromise, corrected.near),
+       .unit = "%",
+       .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
+       .over = "interpretations, all of them listed"}};
 }
 
 Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s) {

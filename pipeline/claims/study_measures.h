@@ -12,9 +12,10 @@
 
 namespace trilat {
 
-// Among the readings of Table I whose every error is within a factor of 2 of the printed one, the share in
-// which a smaller threshold costs twice the steps and gains a tenth of accuracy. They are listed, not drawn.
-Measurements acceptable_readings(const SweepSummary& sweep);
+// Among the interpretations of Table I whose every error is within a factor of 2 of the printed one, the
+// share in which a smaller threshold costs twice the steps and gains a tenth of accuracy. They are listed,
+// not drawn.
+Measurements acceptable_interpretations(const SweepSummary& sweep);
 
 // The share of clock errors below 2 or 4 ms by one way to correct clocks.
 Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s);

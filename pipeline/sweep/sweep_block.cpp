@@ -147,7 +147,7 @@ namespace {
 
 // Sensors that stand off every plane by a thousandth of their spread: within kNear_m of the origin no
 // geometry is rank deficient, so only answers beyond have to be asked.
-constexpr double kLeastThickness = 1e-6;  // of the scatter
+constexpr double kMinThickness = 1e-6;  // of the scatter
 constexpr double kNear_m = 100.0;
 constexpr int kFirstStage = 32;  // iterations; each further stage is as long as all before
 
@@ -168,7 +168,7 @@ void copy_lanes(const LaneRows& from, const std::vector<std::size_t>& lanes, std
 
 SweepCellSolver solver_of(const SweepTrials& trials) {
   SweepCellSolver cell{trials, false, {}};
-  const bool thick = cell.plane.scatter_m2[0] > kLeastThickness * cell.plane.scatter_m2[2];
+  const bool thick = cell.plane.scatter_m2[0] > kMinThickness * cell.plane.scatter_m2[2];
   cell.straight = thick && cell.options.damping == Damping::none && cell.start != SweepStart::squared_ranges;
   if (cell.straight && cell.start == SweepStart::linear) cell.linear = linear_start(cell.sensors);
   return cell;

@@ -15,10 +15,10 @@ namespace trilat {
 namespace {
 
 constexpr const char* kThePapers = "the paper's";
-constexpr std::size_t kMostPanels = 12, kMostLines = 6;
+constexpr std::size_t kMaxPanels = 12, kMaxLines = 6;
 
-const SweepSetting& setting_of(const SweepSummary& s, std::size_t reading) {
-  return s.cell(reading, 0, 0).setting;
+const SweepSetting& setting_of(const SweepSummary& s, std::size_t interpretation) {
+  return s.cell(interpretation, 0, 0).setting;
 }
 
 bool differs(const SweepSummary& s, std::string SweepSetting::*word) {
@@ -26,7 +26,8 @@ bool differs(const SweepSummary& s, std::string SweepSetting::*word) {
       s.cells, [&](const SweepCell& cell) { return cell.setting.*word != s.cells.front().setting.*word; });
 }
 
-// A panel has one rig, error model and range of errors; a line the other choices that readings differ in.
+// A panel has one rig, error model and range of errors; a line the other choices that interpretations differ
+// in.
 std::string panel_of(const SweepSummary& s, const SweepSetting& setting) {
   std::vector<std::string> parts;
   for (const auto word : {&SweepSetting::rig, &SweepSetting::error_model})
@@ -86,7 +87,7 @@ std::vector<Quantity> quantities(const SweepSummary& s, const SweepTimings& timi
 // The paper's numbers, if the sweep has its grid.
 std::optional<PrintedTable1> papers(const SweepSummary& s) {
   PrintedTable1 paper = printed_table1();
-  if (table1_readings(s, paper).empty()) return std::nullopt;
+  if (table1_interpretations(s, paper).empty()) return std::nullopt;
   return paper;
 }
 
@@ -112,13 +113,13 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
   figure.log_x = true;
   figure.log_y = quantity.logarithmic;
   std::set<std::string> lines, left_out;
-  for (std::size_t reading = 0; reading < s.readings(); ++reading)
+  for (std::size_t interpretation = 0; interpretation < s.interpretations(); ++interpretation)
     for (std::size_t r = 0; r < s.ranges; ++r) {
-      const SweepSetting& setting = s.cell(reading, 0, r).setting;
+      const SweepSetting& setting = s.cell(interpretation, 0, r).setting;
       const std::string panel = panel_of(s, setting), line = line_of(s, setting);
       auto place = std::ranges::find(figure.panels, panel);
-      if ((place == figure.panels.end() && figure.panels.size() == kMostPanels) ||
-          (!lines.contains(line) && lines.size() == kMostLines)) {
+      if ((place == figure.panels.end() && figure.panels.size() == kMaxPanels) ||
+          (!lines.contains(line) && lines.size() == kMaxLines)) {
         left_out.insert(panel + line);
         continue;
       }
@@ -131,8 +132,8 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
       FigureSeries series{line, FigureSeries::Style::band, {}};
       series.panel = static_cast<std::size_t>(place - figure.panels.begin());
       for (std::size_t t = 0; t < s.thresholds; ++t) {
-        FigurePoint point = quantity.of(s.cell(reading, t, r));
-        point.x = s.cell(reading, t, r).setting.threshold;
+        FigurePoint point = quantity.of(s.cell(interpretation, t, r));
+        point.x = s.cell(interpretation, t, r).setting.threshold;
         series.points.push_back(point);
       }
       std::ranges::sort(series.points, {}, &FigurePoint::x);

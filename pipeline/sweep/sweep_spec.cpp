@@ -23,7 +23,7 @@ bool is_plain_name(const std::string& name) {
   return !name.empty() && name.size() <= 60 && std::ranges::none_of(name, is_odd);
 }
 
-constexpr std::size_t kLeastSensors = 3;
+constexpr std::size_t kMinSensors = 3;
 constexpr double kSamePlace_m = 1e-3;
 constexpr double kFarthest_m = 1e4;
 
@@ -69,8 +69,8 @@ RangeProblem problem_at(const std::vector<std::array<double, 3>>& sensors_m) {
 
 void check_sensors(const JsonObject& object, const std::string& key,
                    const std::vector<std::array<double, 3>>& sensors_m) {
-  if (sensors_m.size() < kLeastSensors || sensors_m.size() > RangeTrialModel::kMaxSensors)
-    object.refuse(key, fmt::format("must place {} to {} sensors, places {}", kLeastSensors,
+  if (sensors_m.size() < kMinSensors || sensors_m.size() > RangeTrialModel::kMaxSensors)
+    object.refuse(key, fmt::format("must place {} to {} sensors, places {}", kMinSensors,
                                    RangeTrialModel::kMaxSensors, sensors_m.size()));
   for (const auto& sensor_m : sensors_m)
     for (const double coordinate_m : sensor_m)
@@ -124,11 +124,11 @@ std::vector<SweepRig> read_rigs(JsonObject& object, const std::string& key) {
 }
 
 constexpr const char* kFormat = "trilat.study";
-constexpr std::uint64_t kMostTrials = 1'000'000'000'000;
-constexpr std::uint64_t kMostTimed = 1'000'000;
-constexpr std::size_t kMostCells = 50'000;
-constexpr double kMostTrialsInAll = 0x1p53;
-constexpr double kLargestError_cm = 1e5;
+constexpr std::uint64_t kMaxTrials = 1'000'000'000'000;
+constexpr std::uint64_t kMaxTimed = 1'000'000;
+constexpr std::size_t kMaxCells = 50'000;
+constexpr double kMaxTrialsInAll = 0x1p53;
+constexpr double kMaxError_cm = 1e5;
 
 // Centimetres as they were written: 7 cm are not 7.000000000000001.
 double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
@@ -144,7 +144,7 @@ std::array<double, 2> read_range(const std::string& place, const Json& value) {
   const double low_cm = value[0].get<double>(), high_cm = value[1].get<double>();
   if (low_cm < 0.0) refuse(fmt::format("must not be below 0, is {}", value.dump()));
   if (low_cm > high_cm) refuse(fmt::format("must have the smaller error first, is {}", value.dump()));
-  if (high_cm > kLargestError_cm) refuse(fmt::format("must stay within {} cm", kLargestError_cm));
+  if (high_cm > kMaxError_cm) refuse(fmt::format("must stay within {} cm", kMaxError_cm));
   return {as_written_m(low_cm), as_written_m(high_cm)};
 }
 
@@ -243,15 +243,15 @@ bool makes_sense(const SweepSpec& spec, const SweepSetting& s, const SweepRig& r
 // Every combination; rigs vary slowest, ranges of errors quickest.
 void make_cells(SweepSpec& spec) {
   for (const SweepRig& rig : spec.rigs) {
-    std::vector<SweepSetting> readings{spec.solver};
-    readings.front().rig = rig.name;
+    std::vector<SweepSetting> interpretations{spec.solver};
+    interpretations.front().rig = rig.name;
     for (const auto& [choice, words] : spec.varied) {
       std::vector<SweepSetting> longer;
-      for (const SweepSetting& setting : readings)
+      for (const SweepSetting& setting : interpretations)
         for (const std::string& word : words) longer.emplace_back(setting).*choice->word = word;
-      readings = std::move(longer);
+      interpretations = std::move(longer);
     }
-    for (SweepSetting setting : readings) {
+    for (SweepSetting setting : interpretations) {
       if (!makes_sense(spec, setting, rig)) {
         ++spec.skipped;
         continue;
@@ -276,10 +276,10 @@ void check_size(const SweepSpec& spec, const std::string& place) {
                     "sensors in one plane or fewer than four); name another value, or a rig that "
                     "has it",
                     spec.skipped));
-  if (spec.cells.size() > kMostCells)
+  if (spec.cells.size() > kMaxCells)
     throw InputError(place + " /vary", fmt::format("asks for {} cells in all; at most {} can be kept",
-                                                   spec.cells.size(), kMostCells));
-  if (static_cast<double>(spec.trials) * static_cast<double>(spec.cells.size()) > kMostTrialsInAll)
+                                                   spec.cells.size(), kMaxCells));
+  if (static_cast<double>(spec.trials) * static_cast<double>(spec.cells.size()) > kMaxTrialsInAll)
     throw InputError(place + " /trials",
                      fmt::format("is {}, which with {} cells is more than 2^53 trials in all", spec.trials,
                                  spec.cells.size()));
@@ -287,10 +287,10 @@ void check_size(const SweepSpec& spec, const std::string& place) {
 
 void tell_counts(Settings& s, SweepSpec& spec) {
   s.choice("paper", spec.paper, kPaperStudies, kPaperStudyMeaning);
-  s("trials", spec.trials, {1, kMostTrials}, "of each cell");
+  s("trials", spec.trials, {1, kMaxTrials}, "of each cell");
   s("seed", spec.seed, "of every random number");
-  s("max_iterations", spec.max_iterations, {1, kMostSweepIterations}, "of a descent");
-  s("time_problems", spec.time_problems, {0, kMostTimed},
+  s("max_iterations", spec.max_iterations, {1, kMaxSweepIterations}, "of a descent");
+  s("time_problems", spec.time_problems, {0, kMaxTimed},
     "problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
     "counts; 0: the run's own times are shown");
 }
@@ -346,7 +346,7 @@ SweepSpec parse_sweep(const Json& json, const std::string& place) {
   if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
   object.removed("digits_trials", "tests hold the solvers against Ceres");
   object.removed("time_repeats", "of three rounds the fastest counts");
-  object.removed("search", "scripts/fit_paper ranks readings of Table I");
+  object.removed("search", "scripts/fit_paper ranks interpretations of Table I");
   for (const char* key : {"joints", "error_models", "threshold_units", "gradients", "curvatures", "stops",
                           "dampings", "starts", "thresholds", "error_ranges_cm"})
     object.removed(key,

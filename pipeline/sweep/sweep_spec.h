@@ -29,7 +29,7 @@ struct SweepChoice {
 };
 const std::vector<SweepChoice>& sweep_choices();
 
-inline constexpr std::uint64_t kMostSweepIterations = 20'000;
+inline constexpr std::uint64_t kMaxSweepIterations = 20'000;
 
 // study.json, format 1, kind "threshold_sweep": trials for every combination of the values that vary.
 struct SweepSpec {

@@ -75,12 +75,12 @@ struct Cells {
 };
 
 std::vector<Cells> items_of(const SweepSpec& spec) {
-  const std::size_t reading = spec.thresholds.size() * spec.ranges_m.size();
+  const std::size_t interpretation = spec.thresholds.size() * spec.ranges_m.size();
   const auto most = static_cast<std::size_t>(std::max<std::uint64_t>(1, kItemTrials / spec.trials));
   std::vector<Cells> items;
-  for (std::size_t begin = 0; begin < spec.cells.size(); begin += reading)
-    for (std::size_t first = begin; first < begin + reading; first += most)
-      items.push_back({first, std::min(most, begin + reading - first)});
+  for (std::size_t begin = 0; begin < spec.cells.size(); begin += interpretation)
+    for (std::size_t first = begin; first < begin + interpretation; first += most)
+      items.push_back({first, std::min(most, begin + interpretation - first)});
   return items;
 }
 

@@ -78,21 +78,21 @@ struct SweepSummary {
   std::uint64_t trials = 0;  // of each cell
   std::uint64_t max_iterations = 0;
   std::uint64_t skipped = 0;                 // combinations that contradict themselves or repeat another
-  std::uint64_t thresholds = 1, ranges = 1;  // how many of each a reading has
-  std::vector<SweepCell> cells;              // reading by reading, in each threshold by threshold
-  std::vector<ClaimNumber> claims = {};      // of the paper, that the study bears on
+  std::uint64_t thresholds = 1, ranges = 1;  // how many of each an interpretation has
+  std::vector<SweepCell> cells;          // interpretation by interpretation, in each threshold by threshold
+  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
 
   // Settings that are alike in all but threshold and range of errors.
-  std::size_t readings() const { return cells.size() / (thresholds * ranges); }
-  const SweepCell& cell(std::size_t reading, std::size_t threshold, std::size_t range) const {
-    return cells.at((reading * thresholds + threshold) * ranges + range);
+  std::size_t interpretations() const { return cells.size() / (thresholds * ranges); }
+  const SweepCell& cell(std::size_t interpretation, std::size_t threshold, std::size_t range) const {
+    return cells.at((interpretation * thresholds + threshold) * ranges + range);
   }
 
   TRILAT_FIELDS(study, paper, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, cells,
                 claims)
   void check(const JsonObject& object) const {
     if (thresholds == 0 || ranges == 0 || cells.size() % (thresholds * ranges) != 0)
-      object.refuse("cells", "must hold one cell for every reading, threshold and range");
+      object.refuse("cells", "must hold one cell for every interpretation, threshold and range");
   }
 };
 

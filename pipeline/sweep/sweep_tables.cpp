@@ -40,7 +40,7 @@ double solve_us(const SweepSummary& s, const SweepTimings& timings, const SweepC
 
 namespace {
 
-constexpr std::size_t kMostCells = 200;  // in a table that is shown
+constexpr std::size_t kMaxCells = 200;  // in a table that is shown
 
 // Every number of every cell, with each of its settings in a column.
 Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
@@ -87,7 +87,7 @@ Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
   return table;
 }
 
-// How exactly 5000 trials give a mean, from the spread of ours: the median over readings and cells.
+// How exactly 5000 trials give a mean, from the spread of ours: the median over interpretations and cells.
 std::string mean_spread_effect(const SweepSummary& s) {
   constexpr double kPapersSets = 5000.0;
   std::vector<double> shares;
@@ -98,16 +98,18 @@ std::string mean_spread_effect(const SweepSummary& s) {
   }
   if (shares.empty()) return {};
   return fmt::format(
-      "the mean of 5000 of our trials has a standard error of {:.1f} %, the median over readings and cells",
+      "the mean of 5000 of our trials has a standard error of {:.1f} %, the median over interpretations and "
+      "cells",
       100.0 * upper_median(shares));
 }
 
-// From the largest threshold to the smallest with one gradient, over all readings and ranges of errors.
+// From the largest threshold to the smallest with one gradient, over all interpretations and ranges of
+// errors.
 std::string threshold_text(const SweepSummary& s, std::size_t large, std::size_t small,
                            const std::string& gradient) {
   std::vector<double> errors, steps;
   double answered = 1.0;
-  for (std::size_t i = 0; i < s.readings(); ++i)
+  for (std::size_t i = 0; i < s.interpretations(); ++i)
     for (std::size_t r = 0; s.cell(i, 0, 0).setting.gradient == gradient && r < s.ranges; ++r) {
       const SweepCell &before = s.cell(i, large, r), &after = s.cell(i, small, r);
       answered = std::min(
@@ -136,8 +138,8 @@ std::string threshold_sentence(const SweepSummary& s) {
             threshold_text(s, static_cast<std::size_t>(largest - thresholds.begin()),
                            static_cast<std::size_t>(smallest - thresholds.begin()), gradient);
   return fmt::format(
-      "From C = {:g} to C = {:g}, the least and the most over readings and ranges of errors: {}.", *largest,
-      *smallest, text);
+      "From C = {:g} to C = {:g}, the least and the most over interpretations and ranges of errors: {}.",
+      *largest, *smallest, text);
 }
 
 }  // namespace
@@ -147,8 +149,9 @@ StoredTables sweep_tables(const SweepSummary& s, const SweepTimings& timings) {
   shown.title = s.study;
   shown.asked = "What does the stopping threshold C cost, and what does it bring?";
   shown.about = fmt::format(
-      "Threshold sweep, **simulated**: {} readings x {} error ranges x {} thresholds, {} trials a cell.",
-      s.readings(), s.ranges, s.thresholds, s.trials);
+      "Threshold sweep, **simulated**: {} interpretations x {} error ranges x {} thresholds, {} trials a "
+      "cell.",
+      s.interpretations(), s.ranges, s.thresholds, s.trials);
   shown.findings = {threshold_sentence(s)};
   shown.errata = {{"E18", mean_spread_effect(s)}};
   const auto add = [&](std::vector<Table> tables, Table::Shown where) {
@@ -159,7 +162,7 @@ StoredTables sweep_tables(const SweepSummary& s, const SweepTimings& timings) {
   };
   add(table1(s, timings), Table::Shown::first);
   Table cells = sweep_table(s, timings);
-  const bool is_long = cells.rows.size() > kMostCells;
+  const bool is_long = cells.rows.size() > kMaxCells;
   add({std::move(cells)}, is_long ? Table::Shown::file : Table::Shown::detail);
   return shown;
 }

@@ -22,8 +22,8 @@ StoredTables sweep_tables(const SweepSummary& summary, const SweepTimings& timin
 // beside.
 std::vector<Figure> sweep_figures(const SweepSummary& summary, const SweepTimings& timings);
 
-// The readings of one table: alike in all but gradient and stop rule.
-struct Table1Readings {
+// The interpretations of one table: alike in all but gradient and stop rule.
+struct Table1Interpretations {
   std::string name;                       // what they share
   std::optional<std::size_t> as_printed;  // eq. 17 and eq. 19 as they stand: errata E7 and E8
   std::optional<std::size_t> printed;     // eq. 17 as printed, |F_k - F_{k-1}| < C
@@ -31,12 +31,13 @@ struct Table1Readings {
   bool complete() const { return printed && corrected; }
 };
 
-// The readings that get a table: none where the sweep has many readings, or thresholds or error ranges that
-// are not the paper's.
-std::vector<Table1Readings> table1_readings(const SweepSummary& summary, const PrintedTable1& paper);
+// The interpretations that get a table: none where the sweep has many interpretations, or thresholds or error
+// ranges that are not the paper's.
+std::vector<Table1Interpretations> table1_interpretations(const SweepSummary& summary,
+                                                          const PrintedTable1& paper);
 
-// The paper's Table I beside ours, one table for each reading that was run with the printed and with the
-// corrected gradient: propagation error, iterations and, in a sweep with time_problems, time of a solve.
+// The paper's Table I beside ours, one table for each interpretation that was run with the printed and with
+// the corrected gradient: propagation error, iterations and, in a sweep with time_problems, time of a solve.
 std::vector<Table> table1(const SweepSummary& summary, const SweepTimings& timings);
 
 // "error model" of error_model.

@@ -17,30 +17,34 @@ struct Place {
   std::size_t threshold = 0, range = 0;
 };
 
-Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, const PrintedTable1& paper,
-                        const Table1Readings& readings) {
+Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timings, const PrintedTable1& paper,
+                               const Table1Interpretations& interpretations) {
   std::vector<Place> rows;
   for (std::size_t r = 0; r < s.ranges; ++r)
     for (std::size_t t = 0; t < s.thresholds; ++t) rows.push_back({t, r});
   using Reading = std::optional<std::size_t>;
-  const Reading both = readings.as_printed, e7 = readings.printed, ours = readings.corrected;
-  // NaN without this reading.
-  const auto of_cell = [&s](Reading reading, auto get) {
+  const Reading both = interpretations.as_printed, e7 = interpretations.printed,
+                ours = interpretations.corrected;
+  // NaN without this interpretation.
+  const auto of_cell = [&s](Reading interpretation, auto get) {
     return [=, &s](const Place& p) {
-      return reading ? std::invoke(get, s.cell(*reading, p.threshold, p.range)) : SweepCell::kNone;
+      return interpretation ? std::invoke(get, s.cell(*interpretation, p.threshold, p.range))
+                            : SweepCell::kNone;
     };
   };
-  const auto error = [&](Reading reading) { return in_cm(of_cell(reading, &SweepCell::mae_m)); };
-  const auto time = [&](Reading reading) {
-    return as_number(2, of_cell(reading, [&](const SweepCell& c) {
+  const auto error = [&](Reading interpretation) {
+    return in_cm(of_cell(interpretation, &SweepCell::mae_m));
+  };
+  const auto time = [&](Reading interpretation) {
+    return as_number(2, of_cell(interpretation, [&](const SweepCell& c) {
                        return timings.problems > 0 ? solve_us(s, timings, c) : SweepCell::kNone;
                      }));
   };
-  const auto steps = [&](Reading reading) {
-    return as_number(1, of_cell(reading, &SweepCell::mean_iterations));
+  const auto steps = [&](Reading interpretation) {
+    return as_number(1, of_cell(interpretation, &SweepCell::mean_iterations));
   };
-  const auto answered = [&](Reading reading) {
-    return as_number(1, of_cell(reading, [](const SweepCell& c) {
+  const auto answered = [&](Reading interpretation) {
+    return as_number(1, of_cell(interpretation, [](const SweepCell& c) {
                        return 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
                      }));
   };
@@ -50,10 +54,10 @@ Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, cons
                              : TableValue::of(row.time_us[p.range], -1);
   };
   Table table = table_of<Place>(
-      usable_id("table1-" + s.cell(*readings.printed, 0, 0).setting.rig),
+      usable_id("table1-" + s.cell(*interpretations.printed, 0, 0).setting.rig),
       fmt::format("Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; "
                   "{} trials a cell, seed {})",
-                  readings.name, s.trials, s.seed),
+                  interpretations.name, s.trials, s.seed),
       rows,
       {{"range (cm)", "range_cm", as_text([&](const Place& p) {
           return fmt::format("{:g}-{:g}", paper.ranges_cm[p.range][0], paper.ranges_cm[p.range][1]);
@@ -78,7 +82,7 @@ Table table_of_readings(const SweepSummary& s, const SweepTimings& timings, cons
   return table;
 }
 
-constexpr std::size_t kMostTables = 6;
+constexpr std::size_t kMaxTables = 6;
 constexpr double kSameNumber = 1e-9;  // relative
 
 std::string family_name(const SweepSetting& s) {
@@ -86,14 +90,14 @@ std::string family_name(const SweepSetting& s) {
                      s.error_model, s.threshold_unit, s.start, s.damping, s.curvature);
 }
 
-std::map<std::string, Table1Readings> readings_by_name(const SweepSummary& s) {
-  std::map<std::string, Table1Readings> all;
-  for (std::size_t k = 0; k < s.readings(); ++k) {
+std::map<std::string, Table1Interpretations> interpretations_by_name(const SweepSummary& s) {
+  std::map<std::string, Table1Interpretations> all;
+  for (std::size_t k = 0; k < s.interpretations(); ++k) {
     const SweepSetting& setting = s.cell(k, 0, 0).setting;
-    Table1Readings& readings = all[family_name(setting)];
-    if (setting.gradient == "printed" && setting.stop == "printed") readings.as_printed = k;
-    if (setting.gradient == "printed" && setting.stop == "objective") readings.printed = k;
-    if (setting.gradient == "corrected" && setting.stop == "objective") readings.corrected = k;
+    Table1Interpretations& interpretations = all[family_name(setting)];
+    if (setting.gradient == "printed" && setting.stop == "printed") interpretations.as_printed = k;
+    if (setting.gradient == "printed" && setting.stop == "objective") interpretations.printed = k;
+    if (setting.gradient == "corrected" && setting.stop == "objective") interpretations.corrected = k;
   }
   return all;
 }
@@ -118,19 +122,19 @@ bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
 std::vector<Table> table1(const SweepSummary& s, const SweepTimings& timings) {
   const PrintedTable1 paper = printed_table1();
   std::vector<Table> tables;
-  for (const Table1Readings& readings : table1_readings(s, paper))
-    tables.push_back(table_of_readings(s, timings, paper, readings));
+  for (const Table1Interpretations& interpretations : table1_interpretations(s, paper))
+    tables.push_back(table_of_interpretations(s, timings, paper, interpretations));
   return tables;
 }
 
-std::vector<Table1Readings> table1_readings(const SweepSummary& s, const PrintedTable1& paper) {
-  std::vector<Table1Readings> shown;
+std::vector<Table1Interpretations> table1_interpretations(const SweepSummary& s, const PrintedTable1& paper) {
+  std::vector<Table1Interpretations> shown;
   if (!is_the_papers_grid(s, paper)) return shown;
-  const std::map<std::string, Table1Readings> all = readings_by_name(s);
-  if (all.size() > kMostTables) return shown;
-  for (const auto& [name, readings] : all)
-    if (readings.complete()) {
-      shown.push_back(readings);
+  const std::map<std::string, Table1Interpretations> all = interpretations_by_name(s);
+  if (all.size() > kMaxTables) return shown;
+  for (const auto& [name, interpretations] : all)
+    if (interpretations.complete()) {
+      shown.push_back(interpretations);
       shown.back().name = name;
     }
   return shown;

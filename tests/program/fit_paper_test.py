@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""scripts/fit_paper: readings of Table I by pencil, and one setting against what its campaign gives."""
+"""scripts/fit_paper: interpretations of Table I by pencil, and one setting against what its campaign gives."""
 import csv
 import importlib.machinery
 import importlib.util
@@ -18,14 +18,14 @@ loader.exec_module(fit)
 TABLE = json.loads((SOURCE / "datasets/paper/table1.json").read_text())
 
 
-def summary_of(*readings):
-    """A sweep's summary of readings, each a function from threshold and range to error (cm), steps and answered trials of 100."""
+def summary_of(*interpretations):
+    """A sweep's summary of interpretations, each a function from threshold and range to error (cm), steps and answered trials of 100."""
     summary = {"thresholds": 4, "ranges": 3, "cells": []}
-    for number, reading in enumerate(readings):
-        setting = {**dict.fromkeys(fit.READING, "x"), "rig": f"r{number}", "gradient": "printed"}
+    for number, interpretation in enumerate(interpretations):
+        setting = {**dict.fromkeys(fit.INTERPRETATION, "x"), "rig": f"r{number}", "gradient": "printed"}
         for t in range(4):
             for r in range(3):
-                error_cm, steps, answered = reading(t, r)
+                error_cm, steps, answered = interpretation(t, r)
                 summary["cells"].append({**setting, "asked": 100, "answered": answered, "mae_m": error_cm / 100, "axis_mean_mae_m": error_cm / 200,
                                          "mean_iterations": steps})
     return summary
@@ -44,7 +44,7 @@ class FitPaper(ScratchTest):
     def test_the_reading_that_the_table_is_made_from_comes_first(self):
         doubled = lambda t, r: (2.5 * the_papers(t, r)[0], 7, 100)
         silent = lambda t, r: (*the_papers(t, r)[:2], 89 if (t, r) == (3, 2) else 100)
-        rows = fit.readings_of(summary_of(doubled, the_papers, silent))
+        rows = fit.interpretations_of(summary_of(doubled, the_papers, silent))
         self.assertEqual([row["rig"] for row in rows], ["r1", "r0"])  # one fails too often to be ranked
         best, other = rows
         self.assertAlmostEqual(best["errors_distance"], 0.0)
@@ -77,9 +77,9 @@ class FitPaper(ScratchTest):
             whole = math.sqrt(sum(float(row[f"table{n}"]) ** 2 for n in (1, 2, 3)) / 3)
             self.assertAlmostEqual(float(row["all"]), whole, places=9)
         self.assertLess(float(rows[0]["walking nonlinear"]), 20.0)
-        readings = self.table("readings.csv")
-        self.assertGreater(len(readings), 300)
-        least = min(min(float(r["errors_distance"]), float(r["errors_axis_mean"])) for r in readings if r["rig"] == rows[0]["rig"])
+        interpretations = self.table("interpretations.csv")
+        self.assertGreater(len(interpretations), 300)
+        least = min(min(float(r["errors_distance"]), float(r["errors_axis_mean"])) for r in interpretations if r["rig"] == rows[0]["rig"])
         self.assertAlmostEqual(float(rows[0]["table1"]), least, places=9)
         again = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True)
         self.assertEqual(again.stdout, first.stdout)

@@ -14,7 +14,7 @@ from pathlib import Path
 from made import SOURCE, reproduced
 
 REFERENCE = SOURCE / "tests/reference"
-READING = ("rig", "joint", "error_model", "threshold_unit", "gradient", "curvature", "stop", "damping", "start")
+INTERPRETATION = ("rig", "joint", "error_model", "threshold_unit", "gradient", "curvature", "stop", "damping", "start")
 ERRORS = ("answered", "mae_m", "rmse_m", "median_m", "p95_m", "max_m")
 
 
@@ -29,7 +29,7 @@ def tables_of(out):
     errors = ["method", "condition", "group", "alignment", *ERRORS]
     return {
         "table1": (["reading", "C", "errors_from_m", "asked", "answered", "mae_m", "axis_mean_mae_m", "rmse_m", "p95_m", "start_mae_m"],
-                   [["/".join(c[key] for key in READING), f"C = {c['threshold']:g}",
+                   [["/".join(c[key] for key in INTERPRETATION), f"C = {c['threshold']:g}",
                      f"from {c['error_low_m']:g} m", *(c[key] for key in ("asked", "answered", "mae_m", "axis_mean_mae_m",
                                                                                                "rmse_m", "p95_m", "start_mae_m"))] for c in sweep["cells"]]),
         "table2": (errors, rows_of_errors(summary["table2"])),
