@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <string>
-
-#include <fmt/format.h>
 
 namespace trilat {
 namespace {
@@ -47,8 +46,11 @@ std::string_view name_of(LengthUnit unit) { return kUnits[static_cast<std::size_
 
 std::string in_metres_text(double length, double min_m, double max_m) {
   for (const LengthUnit unit : {LengthUnit::centimetre, LengthUnit::millimetre})
-    if (const double length_m = length * metres_per(unit); length_m >= min_m && length_m <= max_m)
-      return fmt::format("; as {}s it would be {:g}", name_of(unit), length_m);
+    if (const double length_m = length * metres_per(unit); length_m >= min_m && length_m <= max_m) {
+      char number[32];  // an agent for Windows is built without fmt
+      std::snprintf(number, sizeof number, "%g", length_m);
+      return "; as " + std::string(name_of(unit)) + "s it would be " + number;
+    }
   return {};
 }
 

@@ -190,14 +190,14 @@ const std::array kClaims{
                "Frames are taken in real time, when the server takes them once a frame of its own",
                "99.94 %; 3 of 18,000 lost", ClaimKind::tested, "clocks", more_than(99.98), kQueueMargin,
                +[](const Clocks& s) { return queue_share(s, kClocks, "once a frame of its own"); }},
-    PaperClaim{
-        "threshold", "Table I",
-        "C = 1e-4 is a compromise: 1e-6 takes more steps, 1 is less accurate, at every error range",
-        "7.3 cm in 10 us against 6.6 cm in 783 us and 17.2 cm in less than 0.1 us", ClaimKind::listed,
-        "table1", more_than(50),
-        "of the study's interpretations whose errors all lie within a factor of 2 of the printed ones, with nine "
-        "trials in ten answered; more steps: twice as many; less accurate: by a tenth",
-        +[](const SweepSummary& s) { return acceptable_interpretations(s); }},
+    PaperClaim{"threshold", "Table I",
+               "C = 1e-4 is a compromise: 1e-6 takes more steps, 1 is less accurate, at every error range",
+               "7.3 cm in 10 us against 6.6 cm in 783 us and 17.2 cm in less than 0.1 us", ClaimKind::listed,
+               "table1", more_than(50),
+               "of the study's interpretations whose errors all lie within a factor of 2 of the printed "
+               "ones, with nine "
+               "trials in ten answered; more steps: twice as many; less accurate: by a tenth",
+               +[](const SweepSummary& s) { return acceptable_interpretations(s); }},
     PaperClaim{"percentages",
                "abstract, Table III",
                "By how many percent it is better than linear and geometric",

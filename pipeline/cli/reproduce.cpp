@@ -74,8 +74,8 @@ constexpr std::array kCampaigns{Simulated{"campaign", "paper_campaign"},
 struct Cost {
   const char *scale, *takes, *writes;
 };
-constexpr std::array kCosts{Cost{"demo", "some seconds", "0.05 GB"}, Cost{"quick", "a minute", "0.6 GB"},
-                            Cost{"paper", "two minutes", "1.3 GB"}, Cost{"full", "half an hour", ""}};
+constexpr std::array kCosts{Cost{"demo", "some seconds", "0.05 GB"}, Cost{"quick", "a minute", "0.9 GB"},
+                            Cost{"paper", "two minutes", "2.2 GB"}, Cost{"full", "half an hour", ""}};
 
 class Reproduction {
  public:

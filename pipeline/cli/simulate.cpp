@@ -13,8 +13,8 @@
 #include "pipeline/cli/run_words.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/simulate/campaign_study.h"
 #include "pipeline/simulate/calibration_recordings.h"
+#include "pipeline/simulate/campaign_study.h"
 
 namespace trilat {
 namespace {
