@@ -27,6 +27,7 @@ void tell(Settings& s, CalibrationSpec& spec) {
 struct Recording {
   std::string id, name;
   std::vector<RecordingFile> files;
+  Json stated;  // what the campaign states of it beside its files
   std::function<Json(const Watch&)> measure;
 };
 
@@ -37,7 +38,10 @@ std::string name_of_recording(const fs::path& session) {
 }
 
 Recording wand_recording(const CalibrationSpec& spec, const CampaignWand& wand, const Campaign& campaign) {
-  Recording recording{"wand/wand", name_of_recording(wand.session), {}, {}};
+  Recording recording{"wand/wand", name_of_recording(wand.session), {}, {}, {}};
+  recording.stated = {{"asset", wand.asset},
+                      {"mocap_start_host_ns", wand.mocap_start_host_ns},
+                      {"ball_radius_m", wand.ball_radius_m}};
   recording.files.push_back({recording.name, "session", wand.session});
   if (!wand.mocap.empty()) recording.files.push_back({recording.name, "mocap", wand.mocap});
   fs::path calibration = campaign.calibration;
@@ -55,7 +59,9 @@ Recording wand_recording(const CalibrationSpec& spec, const CampaignWand& wand, 
 }
 
 Recording stated_recording(const CalibrationSpec& spec, const StatedDistances& stated, std::size_t number) {
-  Recording recording{"distances/" + std::to_string(number + 1), name_of_recording(stated.session), {}, {}};
+  Recording recording{
+      "distances/" + std::to_string(number + 1), name_of_recording(stated.session), {}, {}, {}};
+  recording.stated = {{"ball_radius_m", stated.ball_radius_m}};
   recording.files = {{recording.name, "session", stated.session}, {recording.name, "places", stated.places}};
   recording.measure = [=, name = recording.name](const Watch& watch) {
     WandRecording made = measure_stated_distances(stated, spec.frames, watch);
@@ -66,7 +72,8 @@ Recording stated_recording(const CalibrationSpec& spec, const StatedDistances& s
 }
 
 Recording wall_recording(const FlatWall& wall, std::size_t number) {
-  Recording recording{"walls/" + std::to_string(number + 1), name_of_recording(wall.session), {}, {}};
+  Recording recording{"walls/" + std::to_string(number + 1), name_of_recording(wall.session), {}, {}, {}};
+  if (wall.distance_m) recording.stated = {{"distance_m", *wall.distance_m}};
   recording.files = {{recording.name, "session", wall.session}};
   recording.measure = [=, name = recording.name](const Watch& watch) {
     return json_of(measure_wall(wall, name, watch));
@@ -135,6 +142,7 @@ Item item_of(const Recording& recording, const Json& resolved, const Campaign& c
           [=](const Watch& watch) {
             return key_of({{"study", resolved},
                            {"simulated", campaign.simulated},
+                           {"stated", recording.stated},
                            {"inputs", hashed_inputs(recording.files, *hashes, watch.stop_requested)}});
           }};
 }
@@ -164,7 +172,9 @@ Study calibration_study(const CalibrationSpec& spec, const Campaign& campaign,
   study.settings = resolved;
   study.hashes = hashes;
   std::vector<RecordingFile> files;
+  Json stated = Json::object();
   for (const Recording& recording : recordings) {
+    stated[recording.id] = recording.stated;
     study.items.push_back(item_of(recording, resolved, campaign, hashes));
     files.insert(files.end(), recording.files.begin(), recording.files.end());
   }
@@ -181,6 +191,7 @@ Study calibration_study(const CalibrationSpec& spec, const Campaign& campaign,
   study.manifest = [=] {
     return manifest_of(resolved, {{"campaign", campaign.name},
                                   {"simulated", campaign.simulated},
+                                  {"stated", stated},
                                   {"inputs", hashed_inputs(files, *hashes, {})}});
   };
   return study;

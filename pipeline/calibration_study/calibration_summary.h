@@ -42,7 +42,7 @@ struct PoseDifference {
   std::string method, sensor;
   double position_m = kNotMeasured, rotation_rad = kNotMeasured;
   double position_sigma_m = kNotMeasured, rotation_sigma_rad = kNotMeasured;  // stated, an axis
-  std::string problem = {};                                                   // why there is no pose
+  std::string problem = {};  // reason why the method gives no pose; empty with one
 
   TRILAT_FIELDS(method, sensor, position_m, rotation_rad, position_sigma_m, rotation_sigma_rad, problem)
 };

@@ -112,7 +112,7 @@ PlaceOutcome find_at(const SessionReader& session, const DepthFrames& frames, co
   return outcome;
 }
 
-// A place whose angle nobody states has that of the ball as ours finds it.
+// Where no angle is stated, a sample has the angle of the ball that our method found.
 void add_samples(const WandPlace& place, const PlaceOutcome& outcome, WandRecording& recording) {
   double angle_rad = place.angle_rad.value_or(kNotMeasured);
   if (const Eigen::Vector3d& found_m = outcome.centre_in_sensor_m.back();

@@ -30,7 +30,7 @@ struct WandPlace {
   std::optional<Eigen::Vector3d> ball_in_sensor_m = {};
 };
 
-// What every method found at one place.
+// Result of every method at one place.
 struct PlaceOutcome {
   std::vector<Eigen::Vector3d> centre_in_sensor_m;  // by method; NaN without an answer
   std::vector<WandStatus> status;

@@ -34,7 +34,7 @@ double stated_distance_m(double value, const std::string& place) {
                                       kMax_m, in_metres_text(value, kMin_m, kMax_m)));
 }
 
-// What a sensor sees of the ball at the places that are stated for it.
+// Distances of the ball that one sensor's places state, and those that our method found there.
 struct FoundBalls {
   std::vector<std::size_t> place;
   std::vector<double> stated_m, found_m;
@@ -96,8 +96,7 @@ void check_stated(const std::string& csv, const std::vector<FoundBalls>& found, 
   if (share > 0.7 && share < 1.3)
     recording.notes.push_back(
         fmt::format("{}: the ball is found {:.1f} cm farther than stated, about its radius: distance_m is "
-                    "that of the ball's "
-                    "centre, not of its surface",
+                    "that of the ball's centre, not of its surface",
                     csv, median(more_m) * kCentimetresPerMetre));
 }
 

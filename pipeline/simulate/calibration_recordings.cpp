@@ -197,8 +197,8 @@ void record_bench(const SimulationSpec& spec, std::uint64_t recording, double du
     pose.world_from_sensor.translation_m = {0.0, kBenchHeight_m, 0.0};
     sensors.push_back(draw_sensor(spec.sensor, item, s, pose));
   }
-  const Motion nobody = [](double) { return SkeletonPose(); };
-  SyntheticSource source(spec.sensor, item, nobody, sensors, duration_s, {spec.body_tracker},
+  const Motion no_person = [](double) { return SkeletonPose(); };
+  SyntheticSource source(spec.sensor, item, no_person, sensors, duration_s, {spec.body_tracker},
                          watched_depth(spec, sensors.size(), duration_s, scene, watch));
   RecordOptions options;
   options.stop_requested = watch.stop_requested;

@@ -454,7 +454,7 @@ TEST(WriteSession, ARecordingIsClosedByTakingItsLogAway) {
   }
 }
 
-// What the session does not hold is on the log alone, so it stays.
+// The log stays, since it holds frames that the session does not.
 TEST(WriteSession, ALogThatCouldNotBeReadWholeStaysBesideTheSession) {
   const ScratchFolder folder;
   {

@@ -274,7 +274,7 @@ TEST(Session, NoticesEndAtALimitAndTheRestIsRead) {
   EXPECT_THAT(said_of(path), Not(HasSubstr("are left out")));
 }
 
-// Of several sensors one that sees somebody is enough, and one that was not asked says nothing.
+// A recording sees nobody only if every sensor has body frames and none of them has a body.
 TEST(Session, SeesNobodyWhereFramesOfBodiesAreEmpty) {
   const auto recorded = [&](const char* name, int bodies, bool second_has_frames) {
     const auto path = scratch(name);
@@ -286,9 +286,9 @@ TEST(Session, SeesNobodyWhereFramesOfBodiesAreEmpty) {
     writer.finish();
     return sees_nobody(SessionReader(path));
   };
-  EXPECT_TRUE(recorded("nobody.h5", 0, true));
-  EXPECT_FALSE(recorded("somebody.h5", 1, true));
-  EXPECT_FALSE(recorded("nothing.h5", 0, false));
+  EXPECT_TRUE(recorded("no_person.h5", 0, true));
+  EXPECT_FALSE(recorded("one_person.h5", 1, true));
+  EXPECT_FALSE(recorded("no_frames.h5", 0, false));
 }
 
 TEST(Session, VerifyRefusesLossesThatAreNoCounts) {

@@ -293,10 +293,42 @@ TEST(WandErrors, PlacesAreLeftOutInTurnAndKnownByOptiTrackOrByTheOtherSensors) {
     EXPECT_LT(recording.poses[0].position_m, 3.0 * std::sqrt(3.0) * recording.poses[0].position_sigma_m);
     EXPECT_TRUE(std::isnan(recording.poses[4].position_sigma_m));
   }
-  // of a calibration in a world of its own nothing is said
+  // a calibration in another world gives no pose differences
   Calibration other = read_calibration(campaign.takes[0].calibration);
   other.world = "wand";
   EXPECT_THAT(measure_wand(*campaign.wand, other, 1, {}).poses, SizeIs(0));
+}
+
+// Results of a campaign that states something else are not taken for its own.
+TEST(CalibrationStudy, KeysHoldWhatTheCampaignStatesOfARecording) {
+  const ScratchFolder folder;
+  record(folder / "ball.h5", rig_of(2), {ball_in_room(kPlaces[0])}, header_of(2));
+  write_file(folder / "places.csv", "from_s,to_s,sensor,distance_m\n0,0.5,k1,2\n");
+  const auto with = [&](const auto& change) {
+    Campaign campaign;
+    campaign.name = "c";
+    campaign.stated_distances = {{folder / "ball.h5", folder / "places.csv"}};
+    campaign.wand = CampaignWand{.session = folder / "ball.h5"};
+    campaign.walls = {{folder / "ball.h5", 2.0}};
+    change(campaign);
+    const Study study = calibration_study({}, campaign, std::make_shared<HashCache>());
+    std::map<std::string, std::string> keys{{"manifest", study.manifest().dump()}};
+    for (const Item& item : study.items) keys[item.id] = item.key({});
+    return keys;
+  };
+  const std::map<std::string, std::string> keys = with([](Campaign&) {});
+  ASSERT_THAT(keys, SizeIs(4));
+  EXPECT_EQ(with([](Campaign&) {}), keys);
+  const auto expect_new = [&](const char* id, const auto& change) {
+    for (const auto& [item, key] : with(change))
+      EXPECT_EQ(key != keys.at(item), item == id || item == "manifest") << item;
+  };
+  expect_new("distances/1", [](Campaign& c) { c.stated_distances[0].ball_radius_m = 0.05; });
+  expect_new("wand/wand", [](Campaign& c) { c.wand->ball_radius_m = 0.05; });
+  expect_new("wand/wand", [](Campaign& c) { c.wand->asset = "Ball"; });
+  expect_new("wand/wand", [](Campaign& c) { c.wand->mocap_start_host_ns = 5; });
+  expect_new("walls/1", [](Campaign& c) { c.walls[0].distance_m = 2.5; });
+  expect_new("walls/1", [](Campaign& c) { c.walls[0].distance_m.reset(); });
 }
 
 // It hangs free for its first three places of 1.8 s, and then somebody holds it.

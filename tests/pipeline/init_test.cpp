@@ -190,7 +190,7 @@ TEST(Init, RecordingsToCalibrateByAreKnownByTheirNames) {
   ASSERT_EQ(run_trilat(folder, {"init", own.string()}).code, 0);
   EXPECT_EQ(read_campaign(own).walls.size(), 2u);
   EXPECT_EQ(read_campaign(own).takes.size(), 3u);
-  // of such recordings alone there is no campaign
+  // a folder with such recordings alone gives no campaign
   std::filesystem::create_directories(folder / "walls");
   std::filesystem::copy(own / "wall.h5", folder / "walls/wall.h5");
   expect_refused(run_trilat(folder, {"init", folder / "walls"}),

@@ -31,7 +31,7 @@ TEST(SweepSpec, TrialsThatCannotBeCountedAreRefused) {
               HasSubstr("cells is more than 2^53 trials in all"));
 }
 
-// Of two thresholds and one range a reading has two cells; thresholds vary quicker than any other choice.
+// An interpretation has two cells here, one a threshold; the threshold varies fastest.
 TEST(SweepSpec, SkipsWhatContradictsItselfAndCountsIt) {
   const SweepSpec spec =
       sweep_of(kOneRig + R"(, "solver": {"stop": "step"}, "vary": {"damping": ["none", "lm"],
