@@ -288,20 +288,17 @@ std::vector<std::string> sentences_of(const CalibrationSummary& s) {
   if (s.simulated && !s.wands.empty())
     sentences.push_back(
         "Every simulated sensor adds a constant of its own to all depths, which a method that looks through "
-        "one "
-        "sensor cannot know, and it is in these errors; what the paper's sensors and its laser meter added "
-        "is not "
-        "known.");
+        "one sensor cannot know, and it is in these errors; what the paper's sensors and its laser meter "
+        "added is not known.");
   std::vector<double> ratios;
   for (const WallRow& row : s.walls)
     if (const double ratio = column_means(row.residual_m).edge_to_middle(); std::isfinite(ratio))
       ratios.push_back(ratio);
   if (!ratios.empty())
-    sentences.push_back(
-        fmt::format("The paper finds a flat wall's error at the left and right of the image \"{}\" than in "
-                    "the middle; here the "
-                    "depth lies {:.2f} to {:.2f} times as far from the fitted plane there.",
-                    paper_calibration().worse, std::ranges::min(ratios), std::ranges::max(ratios)));
+    sentences.push_back(fmt::format(
+        "The paper finds a flat wall's error at the left and right of the image \"{}\" than in "
+        "the middle; here the depth lies {:.2f} to {:.2f} times as far from the fitted plane there.",
+        paper_calibration().worse, std::ranges::min(ratios), std::ranges::max(ratios)));
   return sentences;
 }
 
