@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,10 @@ namespace trilat {
 std::string csv_field(std::string_view text);
 // The same, always between quotes.
 std::string csv_quoted(std::string_view text);
+// The fields of one record, without their quotes.
+std::vector<std::string> csv_fields(std::string_view record);
+// End of the record that begins at `first`: its end of line outside quotes, or that of the text.
+std::size_t end_of_csv_record(std::string_view text, std::size_t first);
 // Text that a shell takes as one word: as it is when that is plain, else in single quotes.
 std::string shell_word(std::string_view text);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "datasets/base/error.h"
+#include "datasets/base/text_output.h"
 #include "datasets/mocap/line_reader.h"
 #include "datasets/mocap/mocap_take.h"
 
@@ -36,20 +37,7 @@ bool spells_not_a_number(std::string_view text) {
 }  // namespace
 
 std::vector<std::string> split_csv(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      cells.back() += line[++i];
-    } else if (c == '"' && (quoted || cells.back().empty())) {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
+  std::vector<std::string> cells = csv_fields(line);
   for (std::string& cell : cells) cell = trimmed(cell);
   return cells;
 }

@@ -15,7 +15,7 @@
 
 namespace trilat {
 
-// The cells of one CSV line; quotes are taken off, a doubled quote inside them is one.
+// The cells of one CSV line, without quotes and the blanks around them.
 std::vector<std::string> split_csv(std::string_view line);
 
 enum class CellKind { number, empty, not_finite, unreadable };

@@ -16,7 +16,7 @@ constexpr const char* kFormat = "trilat.results";
 const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "clocks"};
 
 std::int64_t version_of(StudyKind kind) {
-  if (kind == StudyKind::accuracy) return 10;
+  if (kind == StudyKind::accuracy) return 11;
   return kind == StudyKind::calibration ? 3 : 2;
 }
 
@@ -68,9 +68,11 @@ StudyKind results_kind(JsonObject& summary) {
   if (summary.has("kind")) refuse_removed(summary);
   const auto kind = static_cast<StudyKind>(summary.choice("kind", kKinds, 0));
   if (summary.integer("version") != version_of(kind))
-    summary.refuse("version",
-                   fmt::format("is another version; this program reads version {} of results of kind \"{}\"",
-                               version_of(kind), name_of(kind)));
+    summary.refuse(
+        "version",
+        fmt::format("is that of another trilat; this one reads version {} of kind \"{}\"; the same "
+                    "`trilat run` line makes the results anew in place",
+                    version_of(kind), name_of(kind)));
   return kind;
 }
 

@@ -17,8 +17,8 @@ bool has(const std::vector<std::string>& list, const std::string& name) {
 }
 
 double average_m(const ResultsSummary& s, const std::string& condition, const std::string& method) {
-  const SummaryCell* cell = find_cell(s, method, condition, average_group(s), s.alignments.front());
-  return cell && !std::isnan(cell->mae_m) ? cell->mae_m : std::numeric_limits<double>::infinity();
+  const Number* error = find_error(s, method, condition, average_group(s), s.alignments.front());
+  return error ? error->value : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -27,31 +27,92 @@ void ResultsSummary::check(const JsonObject& object) const {
   if (alignments.empty()) object.refuse("alignments", "must name at least one alignment");
 }
 
-void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary) {
+void write_summary(const std::filesystem::path& folder, ResultsSummary summary) {
+  summary.rows = summary.numbers.all().size();
+  write_numbers(folder, summary.numbers);
   write_results(folder, summary);
 }
 
 ResultsSummary read_summary(const std::filesystem::path& folder) {
-  return read_results<ResultsSummary>(folder);
+  auto summary = read_results<ResultsSummary>(folder);
+  summary.numbers = read_numbers(folder, summary.rows);
+  return summary;
 }
 
-const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& method,
-                             const std::string& condition, const std::string& group,
-                             const std::string& alignment) {
-  for (const SummaryCell& cell : summary.cells)
-    if (cell.method == method && cell.condition == condition && cell.group == group &&
-        cell.alignment == alignment)
-      return &cell;
-  return nullptr;
+const Number* find_error(const ResultsSummary& summary, const std::string& method,
+                         const std::string& condition, const std::string& group,
+                         const std::string& alignment) {
+  return summary.numbers.find({.condition = condition,
+                               .group = group,
+                               .method = method,
+                               .alignment = alignment,
+                               .measure = "distance",
+                               .statistic = "mean"});
 }
 
-const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
-                                      const std::string& condition, const std::string& group,
-                                      const std::string& alignment) {
-  for (const DifferenceCell& d : summary.differences)
-    if (d.method == method && d.condition == condition && d.group == group && d.alignment == alignment)
-      return &d;
-  return nullptr;
+const Number* find_coverage(const ResultsSummary& summary, const std::string& method,
+                            const std::string& condition, const std::string& group,
+                            const std::string& alignment) {
+  return summary.numbers.find({.condition = condition,
+                               .group = group,
+                               .method = method,
+                               .alignment = alignment,
+                               .measure = "answered",
+                               .statistic = "share"});
+}
+
+double coverage_of(const ResultsSummary& summary, const std::string& method, const std::string& condition,
+                   const std::string& group, const std::string& alignment) {
+  const Number* coverage = find_coverage(summary, method, condition, group, alignment);
+  return coverage ? coverage->value : kNoNumber;
+}
+
+const Number* find_difference(const ResultsSummary& summary, const std::string& method,
+                              const std::string& condition, const std::string& group,
+                              const std::string& alignment, const char* statistic) {
+  return summary.numbers.find({.condition = condition,
+                               .group = group,
+                               .method = method,
+                               .against = summary.reference,
+                               .alignment = alignment,
+                               .measure = "distance",
+                               .statistic = statistic});
+}
+
+std::vector<TakeJointRow> rows_by_take(const ResultsSummary& summary) {
+  std::vector<TakeJointRow> rows;
+  for (const Number& asked : summary.numbers.all()) {
+    if (asked.take.empty() || asked.measure != "answered") continue;
+    const auto group = summary.group_of_joint.find(asked.group);
+    const auto participant = summary.participant_of_take.find(asked.take);
+    TakeJointRow& row = rows.emplace_back();
+    row.take = asked.take;
+    row.participant = participant == summary.participant_of_take.end() ? "" : participant->second;
+    row.condition = asked.condition;
+    row.group = group == summary.group_of_joint.end() ? asked.group : group->second;
+    row.joint = asked.group;
+    row.method = asked.method;
+    row.asked = asked.n;
+    const NumberKey error = asked.with({.measure = "distance", .statistic = "mean"});
+    row.answered = summary.numbers.n(error);
+    row.mae_m = summary.numbers.value(error);
+  }
+  return rows;
+}
+
+void add_row(const TakeJointRow& row, ResultsSummary& summary) {
+  summary.group_of_joint[row.joint] = row.group;
+  summary.participant_of_take[row.take] = row.participant;
+  const NumberKey key{.condition = row.condition,
+                      .group = row.joint,
+                      .method = row.method,
+                      .alignment = summary.alignments.front(),
+                      .take = row.take};
+  summary.numbers.add({key.with({.measure = "answered", .statistic = "share"}),
+                       static_cast<double>(row.answered) / static_cast<double>(row.asked), kNoNumber,
+                       kNoNumber, row.asked});
+  summary.numbers.add({key.with({.measure = "distance", .statistic = "mean"}), row.mae_m, kNoNumber,
+                       kNoNumber, row.answered});
 }
 
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
@@ -68,8 +129,9 @@ std::string average_group(const ResultsSummary& s) {
 std::vector<std::string> groups_in(const ResultsSummary& s, const std::string& condition) {
   std::vector<std::string> groups;
   for (const std::string& group : s.groups)
-    if (std::ranges::any_of(
-            s.cells, [&](const SummaryCell& c) { return c.condition == condition && c.group == group; }))
+    if (std::ranges::any_of(s.methods, [&](const std::string& method) {
+          return find_coverage(s, method, condition, group, s.alignments.front());
+        }))
       groups.push_back(group);
   if (groups.size() > 1) groups.emplace_back(kAverageGroup);
   return groups;

@@ -14,11 +14,10 @@
 
 #include "datasets/base/described.h"
 #include "datasets/results/claims.h"
+#include "datasets/results/numbers.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
-
-inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 struct Estimate {  // with its 95 % interval; NaN where there is none
   double value = kNoNumber, low = kNoNumber, high = kNoNumber;
@@ -27,8 +26,7 @@ struct Estimate {  // with its 95 % interval; NaN where there is none
   TRILAT_FIELDS(value, low, high)
 };
 
-// The plain mean of the groups of a condition, as the paper's last row: mae_m and its interval; counts are
-// sums, all other numbers NaN.
+// The plain mean of the groups of a condition, as the paper's last row; counts are sums.
 inline constexpr const char* kAverageGroup = "average";
 
 // Where the truth of results comes from.
@@ -37,45 +35,6 @@ inline constexpr const char* kLeftOutTruth = "left_out_sensor";
 
 // Of the samples of an activity's takes that at least one sensor sees occluded.
 inline std::string occluded_condition(const std::string& activity) { return activity + ", occluded"; }
-
-// Errors of one method in one condition, joint group and alignment. Distances in metres; NaN when nothing
-// answered.
-struct SummaryCell {
-  std::string method;
-  std::string condition;  // the takes' activity, or occluded_condition() of it
-  std::string group;      // a joint group, a joint's own name when it belongs to none, or kAverageGroup
-  std::string alignment;
-  std::uint64_t asked = 0;                        // instants and joints with ground truth
-  std::uint64_t answered = 0;                     // of those, with a usable estimate; n of every number below
-  std::map<std::string, std::uint64_t> statuses;  // how the asked ones ended; sums to asked
-  double mae_m = kNoNumber;                       // mean Euclidean distance
-  std::array<double, 3> axis_mae_m{kNoNumber, kNoNumber, kNoNumber};  // world x, y, z
-  std::array<double, 3> bias_m{kNoNumber, kNoNumber, kNoNumber};      // mean of estimate - truth, the same
-  double rmse_m = kNoNumber;
-  double p05_m = kNoNumber;
-  double p25_m = kNoNumber;
-  double median_m = kNoNumber;
-  double p75_m = kNoNumber;
-  double p90_m = kNoNumber;
-  double p95_m = kNoNumber;
-  double max_m = kNoNumber;
-  double mean_iterations = kNoNumber;  // of all that is asked, also where the limit was reached
-  // 95 % interval of mae_m, participants as clusters; NaN when fewer than two answered.
-  double mae_low_m = kNoNumber;
-  double mae_high_m = kNoNumber;
-  std::uint64_t clusters = 0;  // participants with an answered sample
-
-  double coverage() const {
-    return asked == 0 ? kNoNumber : static_cast<double>(answered) / static_cast<double>(asked);
-  }
-
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(method, condition, group, alignment, asked, answered)
-    field("coverage", self.coverage());
-    TRILAT_EACH(statuses, mae_m, axis_mae_m, bias_m, rmse_m, p05_m, p25_m, median_m, p75_m, p90_m, p95_m,
-                max_m, mean_iterations, mae_low_m, mae_high_m, clusters)
-  }
-};
 
 // One take that could not be evaluated, or something to know of one that was.
 struct TakeNote {
@@ -105,72 +64,11 @@ struct CrossCheck {
   }
 };
 
-inline constexpr double kSameDistance_m = 1e-6;
-
-// One method against the study's reference, over the samples that both answered: differences are taken sample
-// by sample, method - reference, before they are averaged. Intervals are 95 %, participants as clusters; NaN
-// when fewer than two answered.
-struct DifferenceCell {
-  std::string method;
-  std::string condition;
-  std::string group;
-  std::string alignment;
-  std::uint64_t n = 0;  // samples that both answered
-  std::uint64_t clusters = 0;
-  double difference_m = kNoNumber;
-  double low_m = kNoNumber;
-  double high_m = kNoNumber;
-  double percent_of_reference = kNoNumber;  // 100 (method - reference) / reference
-  double percent_low = kNoNumber;           // interval of percent_of_reference
-  double percent_high = kNoNumber;
-  double percent_of_method = kNoNumber;  // 100 (method - reference) / method
-  // The interval leaves 0 out, by more than solvers that end at the same place differ.
-  bool significant() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }
-
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(method, condition, group, alignment, n, clusters, difference_m, low_m, high_m)
-    field("significant", self.significant());
-    TRILAT_EACH(percent_of_reference, percent_low, percent_high, percent_of_method)
-  }
-};
-
-// A method's whole bodies. An instant counts when every joint that has a truth is answered, in mpjpe_m also
-// after the alignment; in PCK what is not answered counts as wrong. All but mpjpe_m and PCK are of estimates
-// before alignment.
-struct BodyCell {
-  std::string method;
-  std::string condition;
-  std::string alignment;       // of mpjpe_m and PCK: the study's first
-  std::uint64_t instants = 0;  // that mpjpe_m is the mean of
-  std::uint64_t clusters = 0;
-  double mpjpe_m = kNoNumber;
-  double mpjpe_low_m = kNoNumber;
-  double mpjpe_high_m = kNoNumber;
-  double pa_mpjpe_m = kNoNumber;
-  double pa_mpjpe_low_m = kNoNumber;
-  double pa_mpjpe_high_m = kNoNumber;
-  std::array<double, 3> pck{kNoNumber, kNoNumber, kNoNumber};  // share of joints within 5, 10 and 15 cm
-  std::uint64_t bones = 0;                                     // whose both ends are evaluated
-  double bone_length_sd_m = kNoNumber;                         // over a take, mean over bones and takes
-  double jitter_m_s3 = kNoNumber;                              // mean length of the jerk
-  double truth_jitter_m_s3 = kNoNumber;
-
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(method, condition, alignment, instants, clusters, mpjpe_m, mpjpe_low_m, mpjpe_high_m,
-                pa_mpjpe_m, pa_mpjpe_low_m, pa_mpjpe_high_m)
-    field("pck_5cm_10cm_15cm", self.pck);
-    TRILAT_EACH(bones, bone_length_sd_m, jitter_m_s3, truth_jitter_m_s3)
-  }
-};
-
-// One joint of one take and method under the study's first alignment: where an odd take, person or side
-// shows.
+// One joint of one take and method under the study's first alignment.
 struct TakeJointRow {
-  std::string take, participant, condition, group, joint, method;  // condition and group: as of a SummaryCell
+  std::string take, participant, condition, group, joint, method;
   std::uint64_t asked = 0, answered = 0;
   double mae_m = kNoNumber;
-
-  TRILAT_FIELDS(take, participant, condition, group, joint, method, asked, answered, mae_m)
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.
@@ -182,15 +80,7 @@ struct MethodFamily {
   TRILAT_FIELDS(name, sensors, methods)
 };
 
-// A family in one condition, on average over the joint groups, under the study's first alignment; intervals
-// are Student's, participants as clusters.
-struct FamilyCell {
-  std::string family, condition;
-  double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // over what its methods answer
-  double answered = kNoNumber;                                      // share of what they are asked
-
-  TRILAT_FIELDS(family, condition, mae_m, low_m, high_m, answered)
-};
+inline constexpr double kSameDistance_m = 1e-6;
 
 // Which method errs least in a condition and group, under the study's first alignment: of those that answer
 // 95 % of what they are asked, if any does, and of sets of sensors none that has a family.
@@ -224,20 +114,19 @@ struct ResultsSummary {
   std::vector<std::string> methods;    // in the order of the study
   std::vector<MethodNote> legend;      // one a method
   std::vector<MethodFamily> families;  // of some of them
-  std::vector<FamilyCell> family_cells;
   std::vector<BestMethod> best;
   std::string reference;                // the method that differences are against
   std::vector<std::string> conditions;  // in the order of the takes
   std::vector<std::string> groups;
   std::vector<std::string> alignments;
-  std::vector<SummaryCell> cells;
-  std::vector<DifferenceCell> differences;
-  std::vector<BodyCell> bodies;
-  std::vector<TakeJointRow> by_take;  // takes, in each condition, joint, method
+  std::map<std::string, std::string> group_of_joint, participant_of_take;
+  std::map<std::string, std::string> clusters;  // of the intervals, by condition: "participants"
   std::vector<TakeNote> notes;
   std::string truth = kMocapTruth;
   std::vector<CrossCheck> cross_checks;  // one a method; empty when it was not asked for
   std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
+  std::uint64_t rows = 0;                // of numbers.csv
+  Numbers numbers = {};                  // which that file has
 
   // The truth is what each sensor sees, left out in turn.
   bool left_out() const { return truth == kLeftOutTruth; }
@@ -247,24 +136,37 @@ struct ResultsSummary {
   }
 
   TRILAT_FIELDS(study, campaign, paper, simulated, takes, takes_failed, participants, methods, legend,
-                families, family_cells, best, reference, conditions, groups, alignments, cells, differences,
-                bodies, by_take, notes, truth, cross_checks, claims)
+                families, best, reference, conditions, groups, group_of_joint, participant_of_take, clusters,
+                alignments, notes, truth, cross_checks, claims, rows)
   void check(const JsonObject& object) const;
 };
 
-// summary.json (kind accuracy). NaN is written as null.
-void write_summary(const std::filesystem::path& folder, const ResultsSummary& summary);
-// Reads `folder`/summary.json; InputError when it is not there, of another version or kind, or not one.
+// summary.json (kind accuracy) and numbers.csv.
+void write_summary(const std::filesystem::path& folder, ResultsSummary summary);
+// InputError with the place where one of both is not there, of another version or kind, or damaged.
 ResultsSummary read_summary(const std::filesystem::path& folder);
 
-// The cell of these four names, or none.
-const SummaryCell* find_cell(const ResultsSummary& summary, const std::string& method,
-                             const std::string& condition, const std::string& group,
-                             const std::string& alignment);
-// The method's difference from the reference, or none.
-const DifferenceCell* find_difference(const ResultsSummary& summary, const std::string& method,
-                                      const std::string& condition, const std::string& group,
-                                      const std::string& alignment);
+// Mean distance from the truth, with its interval; none where nothing is answered.
+const Number* find_error(const ResultsSummary& summary, const std::string& method,
+                         const std::string& condition, const std::string& group,
+                         const std::string& alignment);
+// What is asked of a method and the share of it that is answered; none where nothing is asked.
+const Number* find_coverage(const ResultsSummary& summary, const std::string& method,
+                            const std::string& condition, const std::string& group,
+                            const std::string& alignment);
+double coverage_of(const ResultsSummary& summary, const std::string& method, const std::string& condition,
+                   const std::string& group, const std::string& alignment);
+// Method - reference in mean distance, over the samples that both answer; or as a share of the reference's.
+const Number* find_difference(const ResultsSummary& summary, const std::string& method,
+                              const std::string& condition, const std::string& group,
+                              const std::string& alignment, const char* statistic = "difference");
+// The interval of a difference leaves 0 out, by more than solvers that end at the same place differ.
+inline bool is_significant(const Number& difference) {
+  return difference.low > kSameDistance_m || difference.high < -kSameDistance_m;
+}
+// Each joint of each take, condition and method.
+std::vector<TakeJointRow> rows_by_take(const ResultsSummary& summary);
+void add_row(const TakeJointRow& row, ResultsSummary& summary);
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,
                             const std::string& group);
 

@@ -39,6 +39,9 @@ double ContrastEstimate::low() const { return low(0.05); }
 double ContrastEstimate::high() const { return high(0.05); }
 double ContrastEstimate::low(double alpha) const { return value - half_width(*this, alpha); }
 double ContrastEstimate::high(double alpha) const { return value + half_width(*this, alpha); }
+double ContrastEstimate::p_value() const {
+  return clusters < 2 ? kNaN : student_two_sided(value / standard_error, clusters - 1);
+}
 
 ContrastEstimate solve_contrast(const Contrast& contrast) {
   ContrastEstimate result;
@@ -67,9 +70,7 @@ ContrastEstimate solve_contrast(const Contrast& contrast) {
 bool is_told_apart(const ContrastEstimate& difference, std::size_t others) {
   constexpr double kChance = 0.05;
   if (!(difference.value > 0.0) || difference.clusters < 2) return false;
-  const double one_sided =
-      student_two_sided(difference.value / difference.standard_error, difference.clusters - 1) / 2.0;
-  return one_sided < kChance / static_cast<double>(others);
+  return difference.p_value() / 2.0 < kChance / static_cast<double>(others);
 }
 
 std::pair<double, double> mean_interval(const std::vector<double>& sums, const std::vector<double>& counts) {

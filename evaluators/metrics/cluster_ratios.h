@@ -30,6 +30,7 @@ struct ContrastEstimate {
   double high() const;
   double low(double alpha) const;
   double high(double alpha) const;
+  double p_value() const;  // of a difference from zero, two-sided
   // low() of a mean of lengths or other sizes, none of which is below zero.
   double low_of_size() const { return low() < 0.0 ? 0.0 : low(); }
 };

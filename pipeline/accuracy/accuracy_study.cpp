@@ -22,7 +22,7 @@
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/accuracy/wand_poses.h"
 #include "pipeline/claims/paper_claims.h"
-#include "pipeline/errors/summarise.h"
+#include "pipeline/errors/numbers.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 
@@ -222,7 +222,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   ResultsSummary summary = summary_head(run.plan, outcome);
   summary.notes.insert(summary.notes.begin(), run.notes.begin(), run.notes.end());
   const StudyErrors errors(tables, run.plan.names, summary);
-  summarise(errors, summary);
+  add_numbers(errors, summary);
   summary.claims = claims_of(errors);
   StoredTables shown = accuracy_shown(summary, outcome.tracking);
   std::vector<AngleSums> angles;
@@ -240,7 +240,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     if (run.plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
   }
-  for (Table& table : agreement_tables(errors)) {
+  for (Table& table : agreement_tables(summary)) {
     table.shown = Table::Shown::file;
     shown.tables.push_back(std::move(table));
   }

@@ -97,15 +97,34 @@ bool asks_for_wand(const StudySpec& spec) {
                              [](const Stage& stage) { return stage.poses != PoseSource::stated; });
 }
 
-// Under the study's first alignment.
-Json errors_json(const ResultsSummary& s) {
+}  // namespace
+
+Json errors_json(const ResultsSummary& s, std::span<const std::string> alignments) {
   Json rows = Json::array();
-  for (const SummaryCell& c : s.cells)
-    if (c.alignment == s.alignments.front()) rows.push_back(json_of(c));
+  for (const Number& asked : s.numbers.all()) {
+    if (asked.measure != "answered" || asked.statistic != "share" || !asked.take.empty()) continue;
+    if (std::ranges::find(alignments, asked.alignment) == alignments.end()) continue;
+    const auto of = [&](const char* statistic) {
+      const Number* number = s.numbers.find(asked.with({.measure = "distance", .statistic = statistic}));
+      return number ? *number : Number{};
+    };
+    const Number error = of("mean");
+    rows.push_back({{"condition", asked.condition},
+                    {"group", asked.group},
+                    {"method", asked.method},
+                    {"alignment", asked.alignment},
+                    {"asked", asked.n},
+                    {"answered", error.n},
+                    {"coverage", asked.value},
+                    {"mae_m", error.value},
+                    {"mae_low_m", error.low},
+                    {"mae_high_m", error.high},
+                    {"clusters", error.clusters},
+                    {"median_m", of("median").value},
+                    {"p95_m", of("p95").value}});
+  }
   return rows;
 }
-
-}  // namespace
 
 Campaign campaign_of(const std::filesystem::path& of_study, const RunArguments& arguments) {
   const std::filesystem::path folder = arguments.campaign.empty() ? of_study : arguments.campaign;
@@ -160,7 +179,7 @@ int print_accuracy(const std::filesystem::path& results, Json document, const Sh
     document["takes"] = summary.takes;
     document["takes_failed"] = summary.takes_failed;
     document["cross_check_passed"] = summary.cross_checks.empty() ? Json() : Json(passed);
-    document["errors"] = errors_json(summary);
+    document["errors"] = errors_json(summary, std::span(summary.alignments).first(1));
     document["best"] = json_of(summary.best);
     document["warnings"] = accuracy_warnings(summary);
     fmt::print("{}\n", json_text(document, 2));

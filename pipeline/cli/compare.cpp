@@ -13,6 +13,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
 #include "pipeline/cli/check_output.h"
+#include "pipeline/cli/kinds.h"
 #include "pipeline/cli/print_stored.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
@@ -92,15 +93,17 @@ int compare(const CompareArguments& a) {
     fmt::print(stderr, "note: {}: {}\n", note.place, note.text);
   }
   if (a.json)
-    fmt::print("{}\n",
-               json_text(Json{{"results", a.output.string()}, {"errors", json_of(summary.cells)}}, 2));
+    fmt::print("{}\n", json_text(Json{{"results", a.output.string()},
+                                      {"errors", errors_json(summary, summary.alignments)}},
+                                 2));
   else {
     print_stored(a.output);
     fmt::print("results: {}\nnext: trilat report {} -o report\n", a.output.string(),
                shell_word(a.output.string()));
   }
-  const bool any_answered =
-      std::ranges::any_of(summary.cells, [](const SummaryCell& cell) { return cell.answered > 0; });
+  const bool any_answered = std::ranges::any_of(summary.numbers.all(), [](const Number& number) {
+    return number.measure == "answered" && number.value > 0.0;
+  });
   return any_answered ? kDone : kItemsFailed;
 }
 

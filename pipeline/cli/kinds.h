@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/summary.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/study.h"
@@ -66,6 +68,8 @@ const std::vector<Kind>& kinds();
 // Null when the kind is another.
 const Kind* find_kind(const std::string& name);
 
+// Errors under some alignments as --json prints them: a row a condition, group, method and alignment.
+Json errors_json(const ResultsSummary& summary, std::span<const std::string> alignments);
 // The campaign that the command line names, else the study's; InputError where neither does.
 Campaign campaign_of(const std::filesystem::path& of_study, const RunArguments& arguments);
 // Enters a recording that its name calls a wand's or a wall's ("wand/session.h5", "wall_2m.h5"), or beside

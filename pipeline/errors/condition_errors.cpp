@@ -81,6 +81,12 @@ void CellSums::add(std::span<const BinRow> bins) {
   for (const BinRow& row : bins) histogram[row.bin] += row.n;
 }
 
+void CellSums::add_counts(const CellSums& more) {
+  asked += more.asked;
+  answered += more.answered;
+  for (std::size_t s = 0; s < kMostStatuses; ++s) statuses[s] += more.statuses[s];
+}
+
 // The length that so many are shorter than.
 double CellSums::length_at(std::uint64_t place) const {
   std::uint64_t before = 0;

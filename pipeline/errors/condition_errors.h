@@ -51,6 +51,7 @@ struct CellSums {
 
   void add(const ErrorRow& row, std::size_t cluster);
   void add(std::span<const BinRow> bins);
+  void add_counts(const CellSums& more);  // what is asked and answered, and how it ended
   // Type 7 of Hyndman and Fan 1996, with the samples of a bin spread evenly over it.
   double quantile_m(double q) const;
   // The samples whose error is less than so many bins.

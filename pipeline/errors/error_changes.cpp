@@ -14,12 +14,12 @@
 namespace trilat {
 namespace {
 
-// The errors of a summary by participant.
+// The errors of joints by participant.
 class ErrorsByParticipant {
  public:
-  explicit ErrorsByParticipant(const ResultsSummary& summary)
-      : summary_(summary), participants_(participants_of(summary)) {
-    for (const TakeJointRow& row : summary.by_take) {
+  explicit ErrorsByParticipant(const ErrorsByJoint& errors)
+      : all_(errors), participants_(participants_of(errors)) {
+    for (const TakeJointRow& row : errors.rows) {
       WeightedRatio& sums = sums_[{row.condition, row.group, row.method}];
       sums.numerator.resize(participants_.size());
       sums.denominator.resize(participants_.size());
@@ -34,7 +34,7 @@ class ErrorsByParticipant {
   // Joint groups of the condition, in the study's order.
   std::vector<std::string> groups_of(const std::string& condition) const {
     std::vector<std::string> groups;
-    for (const std::string& group : summary_.groups)
+    for (const std::string& group : all_.groups)
       if (std::ranges::any_of(sums_, [&](const auto& entry) {
             return std::get<0>(entry.first) == condition && std::get<1>(entry.first) == group;
           }))
@@ -56,7 +56,7 @@ class ErrorsByParticipant {
   }
 
  private:
-  const ResultsSummary& summary_;
+  const ErrorsByJoint& all_;
   std::vector<std::string> participants_;
   std::map<std::tuple<std::string, std::string, std::string>, WeightedRatio> sums_;
 };
@@ -94,15 +94,21 @@ void add_interval(const std::vector<WeightedRatio>& now, const std::vector<Weigh
 
 }  // namespace
 
-std::vector<std::string> participants_of(const ResultsSummary& summary) {
+ErrorsByJoint errors_by_joint(const ResultsSummary& summary) {
+  return {summary.conditions, summary.methods, summary.groups, rows_by_take(summary)};
+}
+
+bool are_comparable(const ResultsSummary& before, const ResultsSummary& after) {
+  return before.alignments.front() == after.alignments.front() && before.truth == after.truth;
+}
+
+std::vector<std::string> participants_of(const ErrorsByJoint& errors) {
   std::set<std::string> names;
-  for (const TakeJointRow& row : summary.by_take) names.insert(row.participant);
+  for (const TakeJointRow& row : errors.rows) names.insert(row.participant);
   return {names.begin(), names.end()};
 }
 
-std::optional<ErrorChanges> changes_between(const ResultsSummary& before, const ResultsSummary& after) {
-  if (before.alignments.front() != after.alignments.front() || before.truth != after.truth)
-    return std::nullopt;
+std::optional<ErrorChanges> changes_between(const ErrorsByJoint& before, const ErrorsByJoint& after) {
   const ErrorsByParticipant errors_before(before), errors_after(after);
   const std::vector<std::string>&then = errors_before.participants(), &now = errors_after.participants();
   ErrorChanges changes{"", "", then == now, std::min(then.size(), now.size()), {}};
@@ -148,8 +154,9 @@ std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::p
   if (results.size() != 2) return std::nullopt;
   for (const auto& path : results)
     if (results_kind(path) != StudyKind::accuracy) return std::nullopt;
-  const ResultsSummary after = read_summary(results[1]);
-  std::optional<ErrorChanges> changes = changes_between(read_summary(results[0]), after);
+  const ResultsSummary before = read_summary(results[0]), after = read_summary(results[1]);
+  if (!are_comparable(before, after)) return std::nullopt;
+  std::optional<ErrorChanges> changes = changes_between(errors_by_joint(before), errors_by_joint(after));
   if (!changes) return changes;
   changes->before = results[0].string();
   changes->after = results[1].string();

@@ -68,12 +68,12 @@ struct BothSums {
 };
 
 // Takes of which a method answers other samples now.
-std::set<std::string> takes_answered_otherwise(const ResultsSummary& before, const ResultsSummary& now) {
+std::set<std::string> takes_answered_otherwise(const ErrorsByJoint& before, const ErrorsByJoint& now) {
   std::map<std::tuple<std::string, std::string, std::string, std::string>, std::uint64_t> answered;
-  for (const TakeJointRow& row : before.by_take)
+  for (const TakeJointRow& row : before.rows)
     answered[{row.take, row.condition, row.joint, row.method}] = row.answered;
   std::set<std::string> takes;
-  for (const TakeJointRow& row : now.by_take) {
+  for (const TakeJointRow& row : now.rows) {
     const auto found = answered.find({row.take, row.condition, row.joint, row.method});
     if (found != answered.end() && found->second != row.answered) takes.insert(row.take);
   }
@@ -83,13 +83,13 @@ std::set<std::string> takes_answered_otherwise(const ResultsSummary& before, con
 // The rows of both results that are of the same take, condition, joint and method.
 class SameTakes {
  public:
-  SameTakes(const ResultsSummary& before, const ResultsSummary& now, const std::vector<std::string>& same,
+  SameTakes(const ErrorsByJoint& before, const ErrorsByJoint& now, const std::vector<std::string>& same,
             const CommonErrorsOfRows& common) {
     std::map<std::tuple<std::string, std::string, std::string, std::string>, const TakeJointRow*> known;
-    for (const TakeJointRow& row : before.by_take)
+    for (const TakeJointRow& row : before.rows)
       known[{row.take, row.condition, row.joint, row.method}] = &row;
     const std::set<std::string> wanted(same.begin(), same.end());
-    for (const TakeJointRow& row : now.by_take) {
+    for (const TakeJointRow& row : now.rows) {
       const auto found = known.find({row.take, row.condition, row.joint, row.method});
       if (found == known.end() || !wanted.contains(row.take)) continue;
       const CellKey key{row.condition, row.method, row.group};
@@ -230,23 +230,29 @@ void sort_findings(std::vector<GateFinding>& findings) {
   });
 }
 
-// The summary with the errors of these takes alone.
-ResultsSummary summary_of(ResultsSummary summary, const std::vector<std::string>& takes) {
-  std::erase_if(summary.by_take,
+// The errors of these takes alone.
+ErrorsByJoint errors_of(ErrorsByJoint errors, const std::vector<std::string>& takes) {
+  std::erase_if(errors.rows,
                 [&](const TakeJointRow& row) { return std::ranges::find(takes, row.take) == takes.end(); });
-  return summary;
+  return errors;
 }
 
-// Numbers of an accuracy summary that the takes' errors do not judge.
-Json told_numbers(const Json& summary) {
-  Json told = Json::object();
-  for (const char* part : {"cells", "bodies"})
-    if (summary.contains(part)) told[part] = summary.at(part);
-  if (!told.contains("cells") || !told["cells"].is_array()) return told;
-  for (Json& cell : told["cells"])
-    for (const char* judged : {"mae_m", "answered", "asked", "coverage"})
-      if (cell.is_object()) cell.erase(judged);
-  return told;
+// Whether a change of a number is listed where takes are judged by their own errors: not the mean error and
+// the answers, which are judged, and no number that only says how sure another is.
+bool is_listed(const Number& number) {
+  static const std::set<std::string> kNotListed{
+      "difference",   "relative_difference", "sd",  "lower_limit", "upper_limit",
+      "mean_of_sets", "share_of_sets",       "p05", "p25",         "p75"};
+  if (!number.take.empty() || kNotListed.contains(number.statistic)) return false;
+  if (number.measure == "distance" && number.statistic == "mean") return false;
+  return number.measure != "answered" && number.measure != "iterations";
+}
+
+std::string text_of(const NumberKey& key) {
+  std::string text = key.measure + " " + key.statistic;
+  for (const std::string& part : {key.method, key.condition, key.group, key.alignment})
+    if (!part.empty()) text += ", " + part;
+  return text;
 }
 
 // Alarms, where both are not the same.
@@ -291,7 +297,7 @@ class Comparison {
     if (pair.now.kind != pair.before.kind) {
       add_failure(pair.now.name, "is a study of another kind", kNoNumber, kNoNumber,
                   name_of(pair.before.kind) + " before, " + name_of(pair.now.kind) + " now", report_);
-    } else if (pair.now.summary == pair.before.summary) {
+    } else if (pair.now.summary == pair.before.summary && pair.now.numbers == pair.before.numbers) {
       verdict.state = StudyState::identical;
       report_.looked_at += pair.now.summary.size();
     } else {
@@ -324,7 +330,7 @@ class Comparison {
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {
     const ResultsSummary now = read_summary(pair.now.folder), before = read_summary(pair.before.folder);
     compare_failures(pair.now.name, before, now, report_);
-    if (now.alignments.front() != before.alignments.front() || now.truth != before.truth) {
+    if (!are_comparable(before, now)) {
       add_failure(pair.now.name, "errors are measured in another way", kNoNumber, kNoNumber,
                   fmt::format("alignment {} against {} before, {} against {} now", before.alignments.front(),
                               before.truth, now.alignments.front(), now.truth),
@@ -332,6 +338,7 @@ class Comparison {
       return;
     }
     add_one_sided_methods(before, now, verdict);
+    const ErrorsByJoint errors_now = errors_by_joint(now), errors_before = errors_by_joint(before);
     const TakesOfBoth takes = takes_of_both(pair);
     const auto add_note = [&](const std::string& text) {
       verdict.note += (verdict.note.empty() ? "" : "; ") + text;
@@ -340,28 +347,28 @@ class Comparison {
       add_note(fmt::format("{} take{} only one side has, {}", takes.one_sided.size(),
                            takes.one_sided.size() == 1 ? " that" : "s that", takes.one_sided.front()));
     if (!takes.same.empty()) {
-      const std::set<std::string> otherwise = takes_answered_otherwise(before, now);
+      const std::set<std::string> otherwise = takes_answered_otherwise(errors_before, errors_now);
       const CommonErrorsOfRows common = common_errors(pair.before.folder, pair.now.folder, otherwise);
       if (!otherwise.empty() && common.empty())
         add_note(
             "answers differ, and one side keeps no samples, or sensors are left out: errors are of what each "
             "side answers");
-      compare_takes(pair.now.name, before, now, takes.same, limits_, report_, common);
+      compare_takes(pair.now.name, errors_before, errors_now, takes.same, limits_, report_, common);
     }
     if (!takes.other.empty())
       add_note(fmt::format("other recordings of {} take{}, {}", takes.other.size(),
                            takes.other.size() == 1 ? "" : "s", takes.other.front()));
     if (!takes.other.empty() || takes.same.empty()) {
-      compare_others(pair.now.name, takes.same.empty() ? before : summary_of(before, takes.other),
-                     takes.same.empty() ? now : summary_of(now, takes.other), verdict, add_note);
+      compare_others(pair.now.name,
+                     takes.same.empty() ? errors_before : errors_of(errors_before, takes.other),
+                     takes.same.empty() ? errors_now : errors_of(errors_now, takes.other), verdict, add_note);
     } else {
-      compare_numbers(pair.now.name, told_numbers(pair.before.summary), told_numbers(pair.now.summary), false,
-                      limits_, report_);
+      list_numbers(pair.now.name, before.numbers, now.numbers, limits_, report_);
     }
   }
 
   // Judges takes of other recordings between participants; not judged where these are too few.
-  void compare_others(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+  void compare_others(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
                       StudyVerdict& verdict, const auto& add_note) {
     const std::size_t participants = std::min(participants_of(before).size(), participants_of(now).size());
     if (participants < kFewestJudged) {
@@ -409,7 +416,7 @@ std::string group_text(const std::string& group, const std::vector<std::string>&
 
 }  // namespace
 
-void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+void compare_takes(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
                    const std::vector<std::string>& same, const GateLimits& limits, GateReport& report,
                    const CommonErrorsOfRows& common) {
   const SameTakes both(before, now, same, common);
@@ -438,7 +445,7 @@ void compare_takes(const std::string& study, const ResultsSummary& before, const
                    average.before_m / average.groups, average.now_m / average.groups, limits, report);
 }
 
-double compare_people(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+double compare_people(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
                       const GateLimits& limits, GateReport& report) {
   constexpr double kPower = 0.95;
   const std::optional<ErrorChanges> changes = changes_between(before, now);
@@ -483,6 +490,43 @@ void judge_chances(const GateLimits& limits, GateReport& report) {
   });
 }
 
+namespace {
+
+void add_largest(const std::string& study, std::vector<GateFinding> findings, GateReport& report) {
+  sort_findings(findings);
+  if (findings.size() > kMostNumbers) {
+    report.notes.push_back(fmt::format("{}: {} numbers differ, of which the {} largest are listed", study,
+                                       findings.size(), kMostNumbers));
+    findings.resize(kMostNumbers);
+  }
+  std::ranges::move(findings, std::back_inserter(report.findings));
+}
+
+}  // namespace
+
+void list_numbers(const std::string& study, const Numbers& before, const Numbers& now,
+                  const GateLimits& limits, GateReport& report) {
+  std::vector<GateFinding> findings;
+  const auto add = [&](const Number& key, double before_value, double now_value) {
+    if (!is_listed(key)) return;
+    ++report.looked_at;
+    if (is_same(before_value, now_value)) return;
+    const double least = unit_of(key) == "m" ? limits.smallest_m : limits.smallest_number;
+    GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, Direction::changed, false);
+    finding.what = text_of(key);
+    finding.before = before_value;
+    finding.now = now_value;
+    finding.percent = std::abs(before_value) <= least ? kNoNumber : percent_of(now_value, before_value);
+    const double off = std::abs(now_value - before_value);
+    if (off <= least || 100.0 * off <= limits.smallest_percent * std::abs(before_value)) return;
+    findings.push_back(std::move(finding));
+  };
+  for (const Number& number : now.all()) add(number, before.value(number), number.value);
+  for (const Number& number : before.all())
+    if (!now.find(number)) add(number, number.value, kNoNumber);
+  add_largest(study, std::move(findings), report);
+}
+
 void compare_numbers(const std::string& study, const Json& document_before, const Json& document_now,
                      bool alarm, const GateLimits& limits, GateReport& report) {
   const Json before = with_named_rows(document_before), now = with_named_rows(document_now);
@@ -511,13 +555,7 @@ void compare_numbers(const std::string& study, const Json& document_before, cons
     }
     findings.push_back(std::move(finding));
   }
-  sort_findings(findings);
-  if (findings.size() > kMostNumbers) {
-    report.notes.push_back(fmt::format("{}: {} numbers differ, of which the {} largest are listed", study,
-                                       findings.size(), kMostNumbers));
-    findings.resize(kMostNumbers);
-  }
-  std::ranges::move(findings, std::back_inserter(report.findings));
+  add_largest(study, std::move(findings), report);
 }
 
 GateReport compare_results(const std::filesystem::path& results, const std::filesystem::path& baseline,

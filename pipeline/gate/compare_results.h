@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/common_samples.h"
 #include "pipeline/gate/gate_report.h"
 
@@ -25,17 +26,21 @@ inline constexpr std::size_t kFewestJudged = 8;
 // Compares the errors of two accuracy results by take; `same`: the ids of the takes whose recordings are the
 // same. Adds findings to the report. `common`: of rows that one side answers otherwise, errors on the samples
 // that both answer.
-void compare_takes(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+void compare_takes(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
                    const std::vector<std::string>& same, const GateLimits& limits, GateReport& report,
                    const CommonErrorsOfRows& common = {});
 
 // Compares the errors of two accuracy results of other recordings. The chances of the findings are not yet
 // corrected, and no finding is an alarm: see judge_chances(). Gives what can be found, in percent of an
 // average over the joint groups; NaN where nothing was compared.
-double compare_people(const std::string& study, const ResultsSummary& before, const ResultsSummary& now,
+double compare_people(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
                       const GateLimits& limits, GateReport& report);
 // Corrects the chances of all findings that have one, and keeps those that are more than chance.
 void judge_chances(const GateLimits& limits, GateReport& report);
+
+// Lists the numbers of two accuracy studies that differ by more than the limits and that takes do not judge.
+void list_numbers(const std::string& study, const Numbers& before, const Numbers& now,
+                  const GateLimits& limits, GateReport& report);
 
 // Numbers that differ between two documents of one deterministic study: alarms, or listed.
 void compare_numbers(const std::string& study, const Json& before, const Json& now, bool alarm,

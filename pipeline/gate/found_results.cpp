@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/results/numbers.h"
 
 namespace trilat {
 namespace {
@@ -29,13 +31,14 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
   found.kind = results_kind(folder);
   found.summary = read_results_json(folder);
   found.manifest = read_json(folder / "manifest.json");
+  if (fs::exists(folder / kNumbersFile)) found.numbers = read_file(folder / kNumbersFile, kMaxNumbersBytes);
   JsonObject manifest(found.manifest, (folder / "manifest.json").string(), "");
   check_format(manifest, "trilat.manifest", 2);
   found.study = manifest.object("study").text("name");
   found.name = name.empty() ? found.study : name;
   check_same_run(manifest, found.kind, text_of(found.summary, "study"), text_of(found.summary, "campaign"));
-  if (found.kind == StudyKind::accuracy && found.summary.value("cells", Json::array()).empty())
-    throw InputError((folder / "summary.json").string() + " /cells", "is empty: nothing was evaluated");
+  if (found.kind == StudyKind::accuracy && found.summary.value("rows", 0) == 0)
+    throw InputError((folder / kNumbersFile).string(), "has no number: nothing was evaluated");
   return found;
 }
 

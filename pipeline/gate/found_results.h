@@ -19,6 +19,7 @@ struct FoundResults {
   StudyKind kind = StudyKind::accuracy;
   std::string study;
   Json manifest, summary;
+  std::string numbers = {};  // text of numbers.csv, where the kind has it
 };
 
 struct ResultsSet {

@@ -25,11 +25,11 @@ void add_series(const ResultsSet& results, HistoryEntry& entry) {
   for (const FoundResults& found : results.results) {
     if (found.kind != StudyKind::accuracy) continue;
     const ResultsSummary summary = read_summary(found.folder);
-    for (const SummaryCell& cell : summary.cells) {
-      if (cell.alignment != summary.alignments.front()) continue;
-      const std::string key = series_of(found.name, cell.method, cell.condition, cell.group);
-      if (std::isfinite(cell.mae_m)) entry.error_m[key] = cell.mae_m;
-      if (std::isfinite(cell.coverage())) entry.coverage[key] = cell.coverage();
+    for (const Number& number : summary.numbers.all()) {
+      if (number.alignment != summary.alignments.front() || !number.take.empty()) continue;
+      const std::string key = series_of(found.name, number.method, number.condition, number.group);
+      if (number.measure == "distance" && number.statistic == "mean") entry.error_m[key] = number.value;
+      if (number.measure == "answered" && number.statistic == "share") entry.coverage[key] = number.value;
     }
   }
 }

@@ -256,7 +256,7 @@ bool is_of_summary(const fs::path& path) {
   const std::string name = path.filename().string();
   return name == "simulator.json" || name == "timings.json" || name == "tracking.json" ||
          name == "points.csv" || name == "sweep.csv" || name == "by-take-and-joint.csv" ||
-         name == "tables.json" || name == "figures.json" ||
+         name == "tables.json" || name == "figures.json" || name == "numbers.csv" ||
          (name.starts_with("agreement-") && name.ends_with(".csv"));
 }
 

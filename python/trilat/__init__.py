@@ -3,6 +3,7 @@
 
     import trilat
     errors = trilat.results("results").samples()          # a DataFrame
+    means = trilat.numbers("results", statistic="mean")   # stored numbers, a dict each
     shown = trilat.tables("results")                      # every table that the report shows, as DataFrames
     bodies = trilat.session("session.h5")["k1"].bodies()  # arrays
     found = trilat.run("study.json", campaign="camp", output="results")
@@ -24,6 +25,7 @@ except ImportError:
 
 from trilat.errors import InputError, ProgramError
 from trilat.program import run
+from trilat.read_numbers import NUMBER_KEYS, numbers
 from trilat.read_results import Results, results
 from trilat.read_session import Bodies, JointsInWorld, Sensor, Session, session
 from trilat.read_tables import tables
@@ -31,5 +33,5 @@ from trilat.skeleton import JOINTS
 from trilat.write_joints import write_joints
 from trilat.write_session import SensorFrames, write_session
 
-__all__ = ["Bodies", "InputError", "JOINTS", "JointsInWorld", "ProgramError", "Results", "Sensor", "SensorFrames", "Session",
-           "results", "run", "session", "tables", "write_joints", "write_session"]
+__all__ = ["Bodies", "InputError", "JOINTS", "JointsInWorld", "NUMBER_KEYS", "ProgramError", "Results", "Sensor", "SensorFrames", "Session",
+           "numbers", "results", "run", "session", "tables", "write_joints", "write_session"]

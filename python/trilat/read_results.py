@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from trilat.errors import InputError
+from trilat.read_numbers import numbers
 from trilat.read_session import open_hdf5
 from trilat.read_tables import tables
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import pandas
 
-NEWEST_SUMMARY = 10
+NEWEST_SUMMARY = 11
 NEWEST_MANIFEST = 2
 NEWEST_TAKE = 3
 ANSWERS = ("converged", "closed_form", "clamped", "given")
@@ -166,28 +167,26 @@ class Results:
         """The columns of `columns()` as a DataFrame: one row an instant, joint and method."""
         return _pandas().DataFrame(self.columns(take))
 
-    def list(self, name: str) -> "pandas.DataFrame":
-        """A list of summary.json, such as cells, differences or by_take (datasets/FORMATS.md), a row an entry."""
-        if not isinstance(self.summary.get(name), list):
-            lists = ", ".join(key for key, value in self.summary.items() if isinstance(value, list))
-            raise InputError(self.folder / "summary.json", f'has no list "{name}"; it has {lists}')
-        return _pandas().DataFrame(self.summary[name])
+    def numbers(self, **keys: str) -> "pandas.DataFrame":
+        """The rows that `trilat.numbers` gives, as a DataFrame."""
+        return _pandas().DataFrame(numbers(self.folder, **keys))
 
-    def table(self, statistic: str = "mae_m", condition: str | None = None, alignment: str | None = None) -> "pandas.DataFrame":
-        """Methods by joint groups: the mean distance in metres, or another number of `list("cells")`.
+    def table(self, statistic: str = "mean", measure: str = "distance", condition: str | None = None,
+              alignment: str | None = None) -> "pandas.DataFrame":
+        """Methods by joint groups: the mean distance in metres, or another number of `numbers()`.
 
         Of the study's first condition and first alignment unless others are named.
         """
-        cells = self.list("cells")
         for key, wanted in (("condition", condition), ("alignment", alignment)):
-            known = list(cells[key].unique())
+            known = self.summary[f"{key}s"]
             if wanted is not None and wanted not in known:
                 raise InputError(self.folder, f'has no {key} "{wanted}"; it has {", ".join(known)}')
-            cells = cells[cells[key] == (known[0] if wanted is None else wanted)]
-        if statistic not in cells:
-            raise InputError(self.folder, f'has no number "{statistic}"; it has {", ".join(cells.columns)}')
-        table = cells.pivot(index="method", columns="group", values=statistic)
-        return table.reindex(index=cells["method"].unique(), columns=cells["group"].unique())
+        rows = self.numbers(condition=condition or self.summary["conditions"][0], alignment=alignment or self.summary["alignments"][0],
+                            measure=measure, statistic=statistic, against="")
+        if rows.empty:
+            raise InputError(self.folder / "numbers.csv", f"has no {statistic} of {measure}")
+        return rows.pivot(index="method", columns="group", values="value").reindex(
+            index=rows["method"].unique(), columns=rows["group"].unique())
 
     def timeline(self, take: str, joint: str, track: str | None = None) -> "pandas.DataFrame":
         """Error in metres over time, a column a method; the index is time_s. NaN where a method has no answer.

@@ -12,6 +12,7 @@
 #include "pipeline/calibration/calibrate_bodies.h"
 #include "pipeline/calibration/calibrate_wand.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/wand_sessions.h"
 
@@ -448,7 +449,7 @@ TEST(RunVerbCalibration, TheCalibrationNamedOnTheCommandLineIsUsed) {
     const Ended ended = run_trilat(folder, arguments);
     EXPECT_EQ(ended.code, 0) << ended.err;
     const ResultsSummary summary = read_summary(folder / "results");
-    const SummaryCell* cell = find_cell(summary, method, "walking", "shoulder", "none");
+    const auto cell = find_cell(summary, method, "walking", "shoulder", "none");
     return cell ? cell->rmse_m : std::nan("");
   };
   for (const char* method : {"mean", "nonlinear"}) {

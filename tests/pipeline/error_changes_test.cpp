@@ -27,8 +27,9 @@ std::filesystem::path results_of(const ScratchFolder& folder, const std::string&
   s.groups = {"wrist"};
   s.alignments = {alignment};
   for (std::size_t p = 0; p < errors_cm.size(); ++p)
-    s.by_take.push_back({fmt::format("t{}", p), fmt::format("{}{}", person, p), "walking", "wrist",
-                         "wrist_left", "mean", 10, 10, 0.01 * errors_cm[p]});
+    add_row({fmt::format("t{}", p), fmt::format("{}{}", person, p), "walking", "wrist", "wrist_left", "mean",
+             10, 10, 0.01 * errors_cm[p]},
+            s);
   std::filesystem::create_directories(folder / name);
   write_summary(folder / name, s);
   return folder / name;
@@ -73,17 +74,13 @@ TEST(ErrorChanges, OfOtherPeopleHaveTheSpreadOfBoth) {
 }
 
 TEST(ErrorChanges, OfAnAverageAreThoseOfTheGroupsThatBothAnswer) {
-  ResultsSummary before;
-  before.methods = {"mean"};
-  before.conditions = {"walking"};
-  before.groups = {"wrist", "ankle"};
-  before.alignments = {"none"};
+  ErrorsByJoint before{{"walking"}, {"mean"}, {"wrist", "ankle"}, {}};
   for (int p = 0; p < 3; ++p)
     for (const char* group : {"wrist", "ankle"})
-      before.by_take.push_back({fmt::format("t{}", p), fmt::format("p{}", p), "walking", group,
-                                std::string(group) + "_left", "mean", 10, 10, 0.04});
-  ResultsSummary after = before;
-  for (TakeJointRow& row : after.by_take) {
+      before.rows.push_back({fmt::format("t{}", p), fmt::format("p{}", p), "walking", group,
+                             std::string(group) + "_left", "mean", 10, 10, 0.04});
+  ErrorsByJoint after = before;
+  for (TakeJointRow& row : after.rows) {
     if (row.group == "ankle") row.answered = 0;
     row.mae_m = row.group == "ankle" ? kNoNumber : row.mae_m + 0.01;
   }

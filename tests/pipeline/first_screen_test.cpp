@@ -33,32 +33,17 @@ ResultsSummary chosen(std::uint64_t participants, const std::vector<std::pair<st
   for (const auto& [name, error_cm] : methods) {
     s.methods.push_back(name);
     s.legend.push_back({name, "what " + name + " does", name == "mine"});
-    SummaryCell cell;
-    cell.method = name;
-    cell.condition = "walking";
-    cell.group = "head";
-    cell.alignment = alignment;
-    cell.asked = cell.answered = 1000;
-    cell.mae_m = 0.01 * error_cm;
-    cell.mae_low_m = 0.01 * (error_cm - 0.2);
-    cell.mae_high_m = 0.01 * (error_cm + 0.2);
-    s.cells.push_back(cell);
+    const NumberKey key{.condition = "walking", .group = "head", .method = name, .alignment = alignment};
+    s.numbers.add({key.with({.measure = "answered", .statistic = "share"}), 1.0, kNoNumber, kNoNumber, 1000});
+    s.numbers.add({key.with({.measure = "distance", .statistic = "mean"}), 0.01 * error_cm,
+                   0.01 * (error_cm - 0.2), 0.01 * (error_cm + 0.2), 1000});
     if (name != best->first && error_cm < best->second + 0.5) s.best[0].like_best.push_back(name);
     if (name == s.reference) continue;
-    DifferenceCell d;
-    d.method = name;
-    d.condition = "walking";
-    d.group = "head";
-    d.alignment = alignment;
-    d.n = 1000;
-    d.difference_m = 0.01 * (error_cm - methods.front().second);
-    d.low_m = d.difference_m - 0.005;
-    d.high_m = d.difference_m + 0.005;
-    const double percent = 1e4 / methods.front().second;
-    d.percent_of_reference = percent * d.difference_m;
-    d.percent_low = percent * d.low_m;
-    d.percent_high = percent * d.high_m;
-    s.differences.push_back(d);
+    const double difference_cm = error_cm - methods.front().second;
+    for (const auto& [statistic, unit] :
+         {std::pair{"difference", 0.01}, {"relative_difference", 1.0 / methods.front().second}})
+      s.numbers.add({key.with({.against = s.reference, .measure = "distance", .statistic = statistic}),
+                     unit * difference_cm, unit * (difference_cm - 0.5), unit * (difference_cm + 0.5), 1000});
   }
   return s;
 }
@@ -118,7 +103,6 @@ TEST(FirstScreen, MethodsThatAnswerAlikeShareARow) {
   EXPECT_EQ(row_name(s, "mean"), "mean = median");
   EXPECT_EQ(s.best[0].method, "rts");
   EXPECT_THAT(s.best[0].like_best, IsEmpty());
-  EXPECT_EQ(s.cells.size(), 3u);
   EXPECT_EQ(accuracy_figures(s).front().y_names.front(), "rts = kalman");
   EXPECT_EQ(article_tables(s).front().rows.front().front().text, "rts = kalman");
   EXPECT_THAT(method_legend(s), Contains("`mean = median`: what mean does"));

@@ -284,11 +284,11 @@ TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
   Json other = summary;
   other["version"] = 99;
   write_file(nights.folder / "now" / "summary.json", other.dump());
-  expect_refused(nights.gate(), "/version: is another version");
+  expect_refused(nights.gate(), "/version: is that of another trilat");
   other = summary;
-  other["cells"] = Json::array();
+  other["rows"] = 0;
   write_file(nights.folder / "now" / "summary.json", other.dump());
-  expect_refused(nights.gate(), "/cells: is empty");
+  expect_refused(nights.gate(), "has no number: nothing was evaluated");
 }
 
 TEST(Gate, TellsStudiesThatOnlyOneSideHasAndAlarmsForALostOne) {

@@ -14,6 +14,7 @@
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/pipeline/program.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
@@ -197,7 +198,7 @@ TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
   EXPECT_EQ(summary.takes, 2u);
   EXPECT_EQ(summary.takes_failed, 0u);
   EXPECT_EQ(summary.participants, 2u);
-  const SummaryCell* head = find_cell(summary, "mean", "walking", "head", "none");
+  const auto head = find_cell(summary, "mean", "walking", "head", "none");
   ASSERT_TRUE(head);
   EXPECT_GT(head->mae_m, 0.005);
   EXPECT_LT(head->mae_m, 0.1);
@@ -300,8 +301,8 @@ TEST(LeftOut, TakesWithoutMocapBesideOthersAreAConditionOfTheirOwn) {
   EXPECT_EQ(summary.truth, kMocapTruth);
   EXPECT_THAT(summary.conditions, testing::ElementsAre("walking", "walking, against a left-out sensor"));
   for (const std::string& condition : summary.conditions) {
-    const SummaryCell* cell = find_cell(summary, "mean", condition, "wrist", "none");
-    ASSERT_NE(cell, nullptr) << condition;
+    const auto cell = find_cell(summary, "mean", condition, "wrist", "none");
+    ASSERT_TRUE(cell) << condition;
     EXPECT_GT(cell->answered, 50u) << condition;
   }
   EXPECT_EQ(

@@ -102,22 +102,19 @@ inline void write_made_results(const std::filesystem::path& folder, const MadeSt
   summary.takes = study.participants;
   summary.takes_failed = study.takes_failed;
   summary.participants = study.participants;
-  summary.by_take = made_rows(study, spoil);
   summary.methods = {"linear", "nonlinear"};
   summary.reference = "linear";
   summary.conditions = {"walking"};
   summary.groups = {"head", "wrist"};
   summary.alignments = {"none"};
-  SummaryCell cell;
-  cell.method = "nonlinear";
-  cell.condition = "walking";
-  cell.group = "head";
-  cell.alignment = "none";
+  for (const TakeJointRow& row : made_rows(study, spoil)) add_row(row, summary);
   MadeSample sample{0, 0, 1, 0, 0.055};
   if (spoil) spoil(sample);
-  cell.asked = cell.answered = 100;
-  cell.mae_m = sample.error_m;
-  summary.cells.push_back(cell);
+  const NumberKey key{.condition = "walking", .group = "head", .method = "nonlinear", .alignment = "none"};
+  summary.numbers.add(
+      {key.with({.measure = "answered", .statistic = "share"}), 1.0, kNoNumber, kNoNumber, 100});
+  summary.numbers.add(
+      {key.with({.measure = "distance", .statistic = "mean"}), sample.error_m, kNoNumber, kNoNumber, 100});
   for (std::uint64_t f = 0; f < study.takes_failed; ++f)
     summary.notes.push_back({"p" + std::to_string(f) + "-walking", true, "session.h5", "is damaged"});
   write_summary(folder, summary);

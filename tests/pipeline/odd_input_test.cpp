@@ -10,6 +10,7 @@
 #include "pipeline/accuracy/tracking_summary.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
 
@@ -50,7 +51,7 @@ TEST(OddInput, AMappedJointThatNoSensorEverSeesHasNoNumbers) {
       campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
   int cells = 0;
-  for (const SummaryCell& cell : summary.cells) {
+  for (const ErrorCell& cell : error_cells(summary)) {
     if (cell.group != "head") continue;
     ++cells;
     const std::string what = cell.method + " " + cell.alignment;
@@ -72,8 +73,8 @@ TEST(OddInput, ATruthShorterThanABlockIsEvaluatedWhereItIs) {
       execute_study(study_of(std::string(R"("alignments": ["mean"], "clock": "motion", )") + kOnlyMean),
                     campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
-  const SummaryCell* cell = find_cell(summary, "mean", "walking", "wrist", "mean");
-  ASSERT_NE(cell, nullptr);
+  const auto cell = find_cell(summary, "mean", "walking", "wrist", "mean");
+  ASSERT_TRUE(cell);
   EXPECT_EQ(cell->clusters, 3u);
   EXPECT_LT(cell->mae_low_m, cell->mae_m);
   EXPECT_GT(cell->mae_high_m, cell->mae_m);
@@ -104,7 +105,7 @@ TEST(OddInput, TakesOfDifferentRatesStandInOneCampaign) {
                   {"method": "nonlinear"}, {"method": "single"}])"),
                     campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
-  for (const SummaryCell& cell : summary.cells) {
+  for (const ErrorCell& cell : error_cells(summary)) {
     EXPECT_GT(cell.coverage(), 0.85) << cell.method << " " << cell.group;
     EXPECT_LT(cell.mae_m, 0.12) << cell.method << " " << cell.group;
   }
@@ -190,12 +191,12 @@ TEST(OddInput, AMethodThatFailsEverywhereIsADashInEveryTable) {
           R"("alignments": ["mean", "joint_offset"], "reference": "never", "methods": [{"method": "mean"},
           {"method": "nonlinear", "name": "never", "sensors": ["k1", "k2"]}])"),
       simulate_into(folder / "campaign", walking_spec(2)), folder / "results", {});
-  ASSERT_FALSE(summary.cells.empty() || summary.differences.empty());
-  for (const SummaryCell& cell : summary.cells)
+  ASSERT_FALSE(error_cells(summary).empty());
+  for (const ErrorCell& cell : error_cells(summary))
     if (cell.method == "never") {
       EXPECT_EQ(cell.answered, 0u);
     }
-  for (const DifferenceCell& d : summary.differences) EXPECT_EQ(d.n, 0u);
+  for (const Number& number : summary.numbers.all()) EXPECT_TRUE(number.against.empty());
   report_of(folder, "results");
 }
 
@@ -222,6 +223,17 @@ TEST(OddInput, WhatTheCampaignDoesNotHaveIsRefusedWithWhatItHas) {
               AllOf(HasSubstr("k3"), HasSubstr("k1, k2")));
 }
 
+TEST(OddInput, AnActivityWithTheNameOfOccludedSamplesIsRefused) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
+  campaign.takes[1].activity = "walking, occluded";
+  const auto run = [&](const std::string& members) {
+    return message_of([&] { make_plan(study_of(members + kOnlyMean), campaign, {}); });
+  };
+  EXPECT_THAT(run(R"("occluded_apart": true, )"), HasSubstr("rename the activity"));
+  EXPECT_EQ(run(""), "no error");
+}
+
 TEST(OddInput, OccludedApartWithNothingOccludedHasAnEmptyCondition) {
   const ScratchFolder folder;
   SimulationSpec spec = without_noise(walking_spec(2));
@@ -231,7 +243,7 @@ TEST(OddInput, OccludedApartWithNothingOccludedHasAnEmptyCondition) {
                     simulate_into(folder / "campaign", spec), folder / "results", {});
   ASSERT_EQ(summary.conditions.size(), 2u);
   EXPECT_GT(find_cell(summary, "mean", "walking", "head", "none")->answered, 0u);
-  const SummaryCell* occluded = find_cell(summary, "mean", summary.conditions[1], "head", "none");
+  const auto occluded = find_cell(summary, "mean", summary.conditions[1], "head", "none");
   if (occluded) {
     EXPECT_EQ(occluded->answered, 0u);
     EXPECT_TRUE(std::isnan(occluded->mae_m));
@@ -252,7 +264,7 @@ TEST(OddInput, TakesOfTwoInstantsCanBeTrainedOnOrNot) {
     EXPECT_EQ(summary.takes_failed, 0u) << share;
     EXPECT_GE(find_cell(summary, "mean", "walking", "head", "none")->answered, 2u) << share;
     for (const char* alignment : {"held_out", "joint_offset"}) {
-      const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", alignment);
+      const auto cell = find_cell(summary, "mean", "walking", "head", alignment);
       if (!cell) continue;  // nothing is left to be evaluated
       EXPECT_EQ(cell->answered > 0, std::isfinite(cell->mae_m)) << share << " " << alignment;
     }

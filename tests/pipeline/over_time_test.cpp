@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -20,7 +21,7 @@ const std::string kOverTime = R"("alignments": ["none"], "methods": [{"method": 
 
 double mean_error_m(const ResultsSummary& summary, const std::string& method) {
   double sum_m = 0.0, count = 0.0;
-  for (const SummaryCell& cell : summary.cells) {
+  for (const ErrorCell& cell : error_cells(summary)) {
     if (cell.method != method) continue;
     EXPECT_GT(cell.coverage(), 0.95) << method << " " << cell.group;
     sum_m += cell.mae_m;

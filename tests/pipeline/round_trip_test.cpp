@@ -89,9 +89,7 @@ TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>(
 // NaN is written as null and read back as NaN.
 TEST(FilledStudy, OfAccuracyMayLackNumbers) {
   ResultsSummary summary = filled<ResultsSummary>();
-  summary.cells = {SummaryCell{}};
-  summary.differences = {DifferenceCell{}};
-  summary.by_take = {TakeJointRow{}};
+  summary.claims = {ClaimNumber{}};
   const std::string text = json_text(json_of(summary), 1);
   EXPECT_THAT(text, testing::HasSubstr("null"));
   const Json parsed = parse_json(text, "filled.json");

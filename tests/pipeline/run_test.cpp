@@ -16,6 +16,7 @@
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "reports/render/render.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 
@@ -37,8 +38,8 @@ StudySpec study_with(const std::string& alignments, const char* methods = kMetho
 
 void expect_every_error_below(const ResultsSummary& summary, double limit_m) {
   EXPECT_EQ(summary.takes_failed, 0u);
-  ASSERT_FALSE(summary.cells.empty());
-  for (const SummaryCell& cell : summary.cells) {
+  ASSERT_FALSE(error_cells(summary).empty());
+  for (const ErrorCell& cell : error_cells(summary)) {
     if (cell.group == kAverageGroup) continue;
     const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
     EXPECT_GT(cell.coverage(), 0.95) << what;
@@ -52,7 +53,7 @@ TEST(RunLaw, WithoutNoiseAndClockErrorsEveryMethodFindsTheTruth) {
   const Campaign campaign = simulate_into(folder / "campaign", synchronised(without_noise(walking_spec(2))));
   const ResultsSummary summary =
       execute_study(study_with(R"(["none"])"), campaign, folder / "results", {.cross_check = true});
-  EXPECT_EQ(summary.cells.size(), 5u * 12u);  // four groups and their average
+  EXPECT_EQ(error_cells(summary).size(), 5u * 12u);  // four groups and their average
   expect_every_error_below(summary, 1e-5);
   ASSERT_FALSE(summary.cross_checks.empty());
   for (const CrossCheck& check : summary.cross_checks) {
@@ -129,8 +130,8 @@ struct Spoilt {
       EXPECT_EQ(note.take, take.id);
       text += note.place + ": " + note.text;
     }
-    const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
-    EXPECT_NE(cell, nullptr);
+    const auto cell = find_cell(summary, "mean", "walking", "head", "mean");
+    EXPECT_TRUE(cell);
     if (cell) {
       EXPECT_GT(cell->answered, 3 * 25u);
       EXPECT_LE(cell->asked, 3 * 31u);

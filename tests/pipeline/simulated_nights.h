@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/base/philox.h"
-#include "datasets/results/summary.h"
+#include "pipeline/errors/error_changes.h"
 
 namespace trilat {
 
@@ -29,20 +29,16 @@ class SimulatedNights {
   explicit SimulatedNights(std::uint64_t seed) : seed_(seed) {}
 
   struct Night {
-    ResultsSummary before, now;
+    ErrorsByJoint before, now;
     std::vector<std::string> takes;
   };
   // `number`: which recordings, baseline and run of the code on them.
   Night night(std::uint64_t number, const NightModel& model) const {
     Night night;
-    for (ResultsSummary* s : {&night.before, &night.now}) {
-      s->study = "simulated";
-      s->conditions = {"walking"};
-      s->alignments = {"none"};
-      s->groups = {"head", "shoulder", "elbow", "wrist"};
-      s->methods = {"nonlinear", "linear", "mean", "rts", "window"};
-      s->reference = "nonlinear";
-      s->participants = model.participants;
+    for (ErrorsByJoint* errors : {&night.before, &night.now}) {
+      errors->conditions = {"walking"};
+      errors->groups = {"head", "shoulder", "elbow", "wrist"};
+      errors->methods = {"nonlinear", "linear", "mean", "rts", "window"};
     }
     for (std::size_t p = 0; p < model.participants; ++p) {
       night.takes.push_back("p" + std::to_string(p));
@@ -111,9 +107,9 @@ class SimulatedNights {
         TakeJointRow row{night.takes[p], night.takes[p], "walking", group, group, night.now.methods[m]};
         row.asked = row.answered = instants;
         row.mae_m = before_m[m] / static_cast<double>(instants);
-        night.before.by_take.push_back(row);
+        night.before.rows.push_back(row);
         row.mae_m = now_m[m] / static_cast<double>(instants);
-        night.now.by_take.push_back(row);
+        night.now.rows.push_back(row);
       }
     }
   }

@@ -13,6 +13,7 @@
 #include "datasets/calibration/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
 #include "tests/support/trials.h"
@@ -375,9 +376,10 @@ TEST(SpoiledSensors, ABodyThatJumpsToAnotherPersonIsNotTaken) {
   const ScratchFolder folder;
   Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
   const StudySpec study = study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])");
-  const double sound_m = execute_study(study, recorded.campaign, folder / "sound", {}).cells[0].max_m;
+  const double sound_m = error_cells(execute_study(study, recorded.campaign, folder / "sound", {}))[0].max_m;
   jump_to_another(recorded);
-  EXPECT_LT(execute_study(study, recorded.campaign, folder / "jumping", {}).cells[0].max_m, sound_m + 0.1);
+  EXPECT_LT(error_cells(execute_study(study, recorded.campaign, folder / "jumping", {}))[0].max_m,
+            sound_m + 0.1);
 }
 
 TEST(SpoiledSensors, AJointAtTheSensorIsNotTaken) {
@@ -388,7 +390,7 @@ TEST(SpoiledSensors, AJointAtTheSensorIsNotTaken) {
   joint_put(0, Joint::wrist_left, {0.0F, 0.0F, 1e8F})(recorded);
   const ResultsSummary summary = execute_study(study, recorded.campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
-  for (const SummaryCell& cell : summary.cells) {
+  for (const ErrorCell& cell : error_cells(summary)) {
     if (cell.group == kAverageGroup) continue;
     EXPECT_LT(cell.max_m, 0.5) << cell.method << " " << cell.group;
   }
@@ -399,13 +401,13 @@ TEST(UpAxis, ATruthWithZUpGivesTheSameErrors) {
   const ScratchFolder folder;
   const StudySpec study = study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])");
   Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
-  const double upright_m = execute_study(study, recorded.campaign, folder / "upright", {}).cells[0].mae_m;
+  const double upright_m =
+      error_cells(execute_study(study, recorded.campaign, folder / "upright", {}))[0].mae_m;
   lay_on_the_side(recorded);
   const auto error_m = [&](UpAxis axis) {
     recorded.take().up_axis = axis;
-    return execute_study(study, recorded.campaign, folder / fmt::format("axis{}", static_cast<int>(axis)), {})
-        .cells[0]
-        .mae_m;
+    const std::string name = fmt::format("axis{}", static_cast<int>(axis));
+    return error_cells(execute_study(study, recorded.campaign, folder / name, {}))[0].mae_m;
   };
   EXPECT_NEAR(error_m(UpAxis::z), upright_m, 1e-5);  // an export has six digits
   EXPECT_GT(error_m(UpAxis::y), 1.0);

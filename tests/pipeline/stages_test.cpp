@@ -9,6 +9,7 @@
 #include "pipeline/accuracy/take/take_clocks.h"
 #include "pipeline/accuracy/wand_poses.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

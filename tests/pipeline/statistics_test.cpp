@@ -6,10 +6,11 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
+#include "evaluators/metrics/student.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
-#include "pipeline/errors/summarise.h"
+#include "pipeline/errors/numbers.h"
 #include "pipeline/errors/take_errors.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
@@ -22,11 +23,12 @@ constexpr const char* kTwoMethods = R"("methods": [{"method": "mean"}, {"method"
 
 StudySpec statistics_study(const std::string& members) { return study_of(members + ", " + kTwoMethods); }
 
-const BodyCell& body_of(const ResultsSummary& summary, const std::string& method) {
-  const auto found =
-      std::ranges::find_if(summary.bodies, [&](const BodyCell& b) { return b.method == method; });
-  EXPECT_NE(found, summary.bodies.end());
-  return *found;
+const Number& body_number(const ResultsSummary& summary, const std::string& method, const char* measure,
+                          const char* statistic = "mean") {
+  static const Number kNone;
+  for (const Number& number : summary.numbers.all())
+    if (number.method == method && number.measure == measure && number.statistic == statistic) return number;
+  return kNone;
 }
 
 struct Evaluated {
@@ -45,41 +47,40 @@ TEST(Statistics, AMethodIsNoBetterForAnsweringLess) {
                   "methods": [{"method": "nonlinear"},
                               {"method": "nonlinear", "name": "sparse", "max_iterations": 5}])"));
   int compared = 0;
-  for (const DifferenceCell& d : summary.differences) {
-    if (d.method != "sparse") continue;
-    EXPECT_LT(std::abs(d.difference_m), 1e-12) << d.group << ' ' << d.alignment;
-    EXPECT_FALSE(d.significant());
+  for (const Number& d : summary.numbers.all()) {
+    if (d.method != "sparse" || d.statistic != "difference") continue;
+    EXPECT_LT(std::abs(d.value), 1e-12) << d.group << ' ' << d.alignment;
+    EXPECT_FALSE(is_significant(d));
     ++compared;
   }
   EXPECT_EQ(compared, 6 * 5);
-  const SummaryCell* sparse = find_cell(summary, "sparse", "walking", "wrist", "none");
-  ASSERT_TRUE(sparse);
-  EXPECT_LT(sparse->coverage(), 0.95);
-  EXPECT_GT(sparse->coverage(), 0.2);
+  const double sparse = coverage_of(summary, "sparse", "walking", "wrist", "none");
+  EXPECT_LT(sparse, 0.95);
+  EXPECT_GT(sparse, 0.2);
 }
 
 TEST(Statistics, EveryAnsweredCellOfSeveralParticipantsHasAnIntervalAroundItsValue) {
   Evaluated evaluated;
   const ResultsSummary summary =
       evaluated.of(walking_spec(5, 3.0), statistics_study(R"("alignments": ["none", "held_out"])"));
-  ASSERT_FALSE(summary.cells.empty());
-  for (const SummaryCell& cell : summary.cells) {
-    const std::string what = cell.method + " " + cell.group + " " + cell.alignment;
-    if (cell.method == "never") {
-      EXPECT_EQ(cell.clusters, 0u) << what;
-      EXPECT_TRUE(std::isnan(cell.mae_low_m)) << what;
-      continue;
-    }
-    EXPECT_EQ(cell.clusters, 5u) << what;
-    EXPECT_LT(cell.mae_low_m, cell.mae_m) << what;
-    EXPECT_GT(cell.mae_high_m, cell.mae_m) << what;
+  int answered = 0;
+  for (const Number& error : summary.numbers.all()) {
+    if (error.measure != "distance" || error.statistic != "mean" || !error.take.empty()) continue;
+    const std::string what = error.method + " " + error.group + " " + error.alignment;
+    EXPECT_NE(error.method, "never") << what;
+    EXPECT_EQ(error.clusters, 5u) << what;
+    EXPECT_LT(error.low, error.value) << what;
+    EXPECT_GT(error.high, error.value) << what;
+    ++answered;
   }
-  const SummaryCell* average = find_cell(summary, "mean", "walking", kAverageGroup, "none");
+  EXPECT_EQ(answered, 5 * 5 * 2);  // mean and four sensors, four groups and their average, two alignments
+  EXPECT_EQ(coverage_of(summary, "never", "walking", "wrist", "none"), 0.0);
+  const Number* average = find_error(summary, "mean", "walking", kAverageGroup, "none");
   ASSERT_NE(average, nullptr);
   double sum_m = 0.0;
   for (const std::string& group : summary.groups)
-    sum_m += find_cell(summary, "mean", "walking", group, "none")->mae_m;
-  EXPECT_NEAR(average->mae_m, sum_m / 4.0, 1e-15);
+    sum_m += find_error(summary, "mean", "walking", group, "none")->value;
+  EXPECT_NEAR(average->value, sum_m / 4.0, 1e-15);
 }
 
 TEST(Statistics, DifferencesAreOfTheSamplesThatBothAnswered) {
@@ -87,23 +88,23 @@ TEST(Statistics, DifferencesAreOfTheSamplesThatBothAnswered) {
   const ResultsSummary summary = evaluated.of(
       synchronised(walking_spec(4, 2.0)), statistics_study(R"("alignments": ["none"], "reference": "mean")"));
   EXPECT_EQ(find_difference(summary, "mean", "walking", "wrist", "none"), nullptr);
-  const DifferenceCell* d = find_difference(summary, "single k1", "walking", "wrist", "none");
-  const SummaryCell* reference = find_cell(summary, "mean", "walking", "wrist", "none");
-  const SummaryCell* method = find_cell(summary, "single k1", "walking", "wrist", "none");
+  const Number* d = find_difference(summary, "single k1", "walking", "wrist", "none");
+  const Number* reference = find_error(summary, "mean", "walking", "wrist", "none");
+  const Number* method = find_error(summary, "single k1", "walking", "wrist", "none");
   ASSERT_TRUE(d && reference && method);
   EXPECT_EQ(d->clusters, 4u);
-  ASSERT_EQ(d->n, method->answered);  // the reference answers wherever one of its sensors does
-  ASSERT_EQ(method->answered, reference->answered);
-  EXPECT_NEAR(d->difference_m, method->mae_m - reference->mae_m, 1e-12);
-  EXPECT_NEAR(d->percent_of_reference, 100.0 * d->difference_m / reference->mae_m, 1e-9);
-  EXPECT_NEAR(d->percent_of_method, 100.0 * d->difference_m / method->mae_m, 1e-9);
-  EXPECT_LT(d->low_m, d->difference_m);
-  EXPECT_GT(d->high_m, d->difference_m);
-  const DifferenceCell* never = find_difference(summary, "never", "walking", "wrist", "none");
-  ASSERT_NE(never, nullptr);
-  EXPECT_EQ(never->n, 0u);
-  EXPECT_TRUE(std::isnan(never->difference_m) && std::isnan(never->percent_of_method));
-  EXPECT_FALSE(never->significant());
+  ASSERT_EQ(d->n, method->n);  // the reference answers wherever one of its sensors does
+  ASSERT_EQ(method->n, reference->n);
+  EXPECT_NEAR(d->value, method->value - reference->value, 1e-12);
+  const Number* share =
+      find_difference(summary, "single k1", "walking", "wrist", "none", "relative_difference");
+  ASSERT_TRUE(share);
+  EXPECT_NEAR(share->value, d->value / reference->value, 1e-11);
+  EXPECT_LT(d->low, d->value);
+  EXPECT_GT(d->high, d->value);
+  const double t = d->value / ((d->high - d->value) / student_quantile(3));
+  EXPECT_NEAR(d->p, student_two_sided(t, 3), 1e-12);
+  EXPECT_EQ(find_difference(summary, "never", "walking", "wrist", "none"), nullptr);
   EXPECT_NE(find_difference(summary, "single k1", "walking", kAverageGroup, "none"), nullptr);
 }
 
@@ -112,14 +113,16 @@ TEST(Statistics, AMethodIsNoBetterThanItself) {
   const ResultsSummary summary =
       evaluated.of(walking_spec(4), study_of(R"("alignments": ["mean"], "methods": [{"method": "mean"},
                                    {"method": "mean", "name": "again"}])"));
-  ASSERT_FALSE(summary.differences.empty());
-  for (const DifferenceCell& d : summary.differences) {
-    EXPECT_EQ(d.difference_m, 0.0);
-    EXPECT_EQ(d.low_m, 0.0);
-    EXPECT_EQ(d.high_m, 0.0);
-    EXPECT_EQ(d.percent_of_reference, 0.0);
-    EXPECT_FALSE(d.significant());
+  int compared = 0;
+  for (const Number& d : summary.numbers.all()) {
+    if (d.against.empty()) continue;
+    EXPECT_EQ(d.value, 0.0);
+    EXPECT_EQ(d.low, 0.0);
+    EXPECT_EQ(d.high, 0.0);
+    EXPECT_FALSE(is_significant(d));
+    ++compared;
   }
+  EXPECT_EQ(compared, 2 * 5);  // in metres and as a share
 }
 
 TEST(Statistics, ATakeOfOneBlockHasValuesAndNoInterval) {
@@ -128,12 +131,12 @@ TEST(Statistics, ATakeOfOneBlockHasValuesAndNoInterval) {
   spec.activities.push_back(spec.activities[0]);
   spec.activities[1].activity = Activity::standing;
   const ResultsSummary summary = evaluated.of(spec, statistics_study(R"("alignments": ["mean"])"));
-  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  const Number* cell = find_error(summary, "mean", "walking", "head", "mean");
   ASSERT_NE(cell, nullptr);
   EXPECT_EQ(cell->clusters, 1u);
-  EXPECT_TRUE(std::isnan(cell->mae_low_m) && std::isnan(cell->mae_high_m));
-  const DifferenceCell* d = find_difference(summary, "single k1", "walking", "head", "mean");
-  EXPECT_TRUE(std::isfinite(d->difference_m) && std::isnan(d->low_m));
+  EXPECT_TRUE(std::isnan(cell->low) && std::isnan(cell->high));
+  const Number* d = find_difference(summary, "single k1", "walking", "head", "mean");
+  EXPECT_TRUE(std::isfinite(d->value) && std::isnan(d->low));
   EXPECT_TRUE(summary.best.empty());  // no method is best without an interval
   EXPECT_THAT(accuracy_findings(summary), testing::Each(testing::HasSubstr("no method is called best")));
 }
@@ -145,15 +148,15 @@ TEST(Statistics, ClustersAreThoseOfTheCondition) {
   campaign.takes[3].activity = "sitting";
   const ResultsSummary summary =
       execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
-  EXPECT_EQ(find_cell(summary, "mean", "walking", "head", "mean")->clusters, 3u);
-  const SummaryCell* sitting = find_cell(summary, "mean", "sitting", "head", "mean");
+  EXPECT_EQ(find_error(summary, "mean", "walking", "head", "mean")->clusters, 3u);
+  const Number* sitting = find_error(summary, "mean", "sitting", "head", "mean");
   EXPECT_EQ(sitting->clusters, 3u);  // blocks of five seconds
-  EXPECT_TRUE(std::isfinite(sitting->mae_low_m));
+  EXPECT_TRUE(std::isfinite(sitting->low));
   campaign.takes[2].activity = "sitting";
   const ResultsSummary two =
       execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "two", {});
-  EXPECT_EQ(find_cell(two, "mean", "walking", "head", "mean")->clusters, 2u);
-  EXPECT_EQ(find_cell(two, "mean", "sitting", "head", "mean")->clusters, 2u);
+  EXPECT_EQ(find_error(two, "mean", "walking", "head", "mean")->clusters, 2u);
+  EXPECT_EQ(find_error(two, "mean", "sitting", "head", "mean")->clusters, 2u);
 }
 
 // All takes of one participant in a condition are one cluster; of fewer than three participants each take is.
@@ -166,7 +169,7 @@ TEST(Statistics, TakesOfOneParticipantShareTheCluster) {
     const ResultsSummary summary =
         execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
     EXPECT_EQ(summary.participants, participants);
-    return find_cell(summary, "mean", "walking", "head", "mean")->clusters;
+    return find_error(summary, "mean", "walking", "head", "mean")->clusters;
   };
   EXPECT_EQ(clusters_of(3), 3u);
   EXPECT_EQ(clusters_of(2), 6u);
@@ -176,10 +179,10 @@ TEST(Statistics, BlocksOfASingleTakeAreItsClusters) {
   Evaluated evaluated;
   const ResultsSummary summary =
       evaluated.of(walking_spec(1, 16.0), statistics_study(R"("alignments": ["mean"])"));
-  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  const Number* cell = find_error(summary, "mean", "walking", "head", "mean");
   ASSERT_TRUE(cell);
   EXPECT_EQ(cell->clusters, 4u);  // of five seconds
-  EXPECT_LT(cell->mae_low_m, cell->mae_m);
+  EXPECT_LT(cell->low, cell->value);
 }
 
 // In each condition the only take's blocks are the clusters, whatever number the take has in the campaign.
@@ -192,15 +195,15 @@ TEST(Statistics, SeveralActivitiesOfOneParticipantHaveIntervalsEach) {
   const ResultsSummary summary = evaluated.of(spec, statistics_study(R"("alignments": ["mean"])"));
   for (const auto& [condition, clusters] : {std::pair{"walking", 4u}, std::pair{"arm_swing", 3u}})
     for (const char* group : {"head", "wrist", kAverageGroup}) {
-      const SummaryCell* cell = find_cell(summary, "mean", condition, group, "mean");
+      const Number* cell = find_error(summary, "mean", condition, group, "mean");
       ASSERT_TRUE(cell) << condition;
       EXPECT_EQ(cell->clusters, clusters) << condition;
-      EXPECT_LT(cell->mae_low_m, cell->mae_m);
-      EXPECT_GT(cell->mae_high_m, cell->mae_m);
-      EXPECT_LT(cell->mae_high_m, 1.0);
-      const DifferenceCell* d = find_difference(summary, "single k1", condition, group, "mean");
+      EXPECT_LT(cell->low, cell->value);
+      EXPECT_GT(cell->high, cell->value);
+      EXPECT_LT(cell->high, 1.0);
+      const Number* d = find_difference(summary, "single k1", condition, group, "mean");
       ASSERT_TRUE(d);
-      EXPECT_TRUE(std::isfinite(d->low_m) && std::isfinite(d->high_m)) << condition;
+      EXPECT_TRUE(std::isfinite(d->low) && std::isfinite(d->high)) << condition;
     }
 }
 
@@ -212,9 +215,9 @@ TEST(Statistics, ATakeThatFailedIsNoParticipant) {
       execute_study(statistics_study(R"("alignments": ["mean"])"), campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 1u);
   EXPECT_EQ(summary.participants, 4u);
-  const SummaryCell* cell = find_cell(summary, "mean", "walking", "head", "mean");
+  const Number* cell = find_error(summary, "mean", "walking", "head", "mean");
   EXPECT_EQ(cell->clusters, 4u);
-  EXPECT_TRUE(std::isfinite(cell->mae_low_m));
+  EXPECT_TRUE(std::isfinite(cell->low));
 }
 
 TEST(Statistics, BlocksAreFiveSecondsOrATwelfthOfTheTake) {
@@ -295,9 +298,9 @@ TEST(Statistics, NoMarkContradictsADifference) {
   for (const BestMethod& best : summary.best) {
     ASSERT_THAT(best.method, testing::AnyOf("mean", "same"));
     EXPECT_THAT(best.like_best, testing::Contains(best.method == "mean" ? "same" : "mean"));
-    const DifferenceCell* linear = find_difference(summary, "linear", best.condition, best.group, "mean");
+    const Number* linear = find_difference(summary, "linear", best.condition, best.group, "mean");
     ASSERT_TRUE(linear);
-    if (linear->low_m > 0.01) {
+    if (linear->low > 0.01) {
       EXPECT_THAT(best.like_best, testing::Not(testing::Contains("linear"))) << best.group;
     }
   }
@@ -308,31 +311,30 @@ TEST(Statistics, AJointThatIsNeverSeenLeavesTheOthersTheirIntervals) {
   const ResultsSummary summary =
       evaluated.of(walking_spec(4), study_of(R"("alignments": ["mean"], "reference": "never",
           "methods": [{"method": "mean"}, {"method": "nonlinear", "name": "never", "sensors": ["k1", "k2"]}])"));
-  EXPECT_TRUE(std::isfinite(find_cell(summary, "mean", "walking", "head", "mean")->mae_low_m));
+  EXPECT_TRUE(std::isfinite(find_error(summary, "mean", "walking", "head", "mean")->low));
   EXPECT_EQ(summary.reference, "mean");  // nothing can be compared with silence
-  const DifferenceCell* d = find_difference(summary, "never", "walking", "head", "mean");
-  ASSERT_TRUE(d);
-  EXPECT_EQ(d->n, 0u);
-  EXPECT_TRUE(std::isnan(d->difference_m));
-  const BodyCell& never = body_of(summary, "never");
-  EXPECT_EQ(never.instants, 0u);
-  EXPECT_TRUE(std::isnan(never.mpjpe_m) && std::isnan(never.jitter_m_s3));
-  EXPECT_EQ(never.pck[2], 0.0);  // asked and not answered is not near
+  EXPECT_EQ(find_difference(summary, "never", "walking", "head", "mean"), nullptr);
+  for (const char* measure : {"mpjpe", "jerk"})
+    EXPECT_TRUE(std::isnan(body_number(summary, "never", measure).value)) << measure;
+  EXPECT_EQ(body_number(summary, "never", "within", "15_cm").value, 0.0);  // not answered is not near
 }
 
 TEST(Statistics, BodiesWithoutNoiseAreWhatTheTruthIs) {
   Evaluated evaluated;
   const ResultsSummary summary = evaluated.of(synchronised(without_noise(walking_spec(4, 2.0))),
                                               statistics_study(R"("alignments": ["none"])"));
-  const BodyCell& body = body_of(summary, "mean");
-  EXPECT_GT(body.instants, 4u * 50u);
-  EXPECT_EQ(body.clusters, 4u);
-  EXPECT_LT(body.mpjpe_m, 1e-5);
-  EXPECT_LT(body.pa_mpjpe_m, 1e-5);
-  EXPECT_THAT(body.pck, testing::Each(1.0));
-  EXPECT_EQ(body.bones, 4u);  // upper arms and forearms
-  EXPECT_LT(body.bone_length_sd_m, 1e-4);
-  EXPECT_NEAR(body.jitter_m_s3, body.truth_jitter_m_s3, 0.1 * body.truth_jitter_m_s3 + 0.5);
+  const Number &mpjpe = body_number(summary, "mean", "mpjpe"),
+               &bone = body_number(summary, "mean", "bone", "sd");
+  EXPECT_GT(mpjpe.n, 4u * 50u);
+  EXPECT_EQ(mpjpe.clusters, 4u);
+  EXPECT_LT(mpjpe.value, 1e-5);
+  EXPECT_LT(body_number(summary, "mean", "pa_mpjpe").value, 1e-5);
+  for (const char* radius : {"5_cm", "10_cm", "15_cm"})
+    EXPECT_EQ(body_number(summary, "mean", "within", radius).value, 1.0);
+  EXPECT_EQ(bone.n, 4u);  // upper arms and forearms
+  EXPECT_LT(bone.value, 1e-4);
+  const double truth_m_s3 = body_number(summary, "", "jerk", "mean_of_truth").value;
+  EXPECT_NEAR(body_number(summary, "mean", "jerk").value, truth_m_s3, 0.1 * truth_m_s3 + 0.5);
 }
 
 TEST(Statistics, OccludedSamplesMakeConditionsOfTheirOwn) {
@@ -342,20 +344,23 @@ TEST(Statistics, OccludedSamplesMakeConditionsOfTheirOwn) {
   const ResultsSummary summary =
       evaluated.of(spec, statistics_study(R"("alignments": ["mean", "none"], "occluded_apart": true)"));
   EXPECT_THAT(summary.conditions, testing::ElementsAre("walking", "walking, occluded"));
-  const SummaryCell* all = find_cell(summary, "mean", "walking", "wrist", "none");
-  const SummaryCell* occluded = find_cell(summary, "mean", "walking, occluded", "wrist", "none");
+  const Number* all = find_error(summary, "mean", "walking", "wrist", "none");
+  const Number* occluded = find_error(summary, "mean", "walking, occluded", "wrist", "none");
   ASSERT_TRUE(all && occluded);
-  EXPECT_GT(occluded->asked, 0u);
-  EXPECT_LT(occluded->asked, all->asked);
-  EXPECT_LT(occluded->mae_low_m, occluded->mae_m);
-  EXPECT_TRUE(std::isfinite(occluded->p95_m));
-  const DifferenceCell* d = find_difference(summary, "single k1", "walking, occluded", kAverageGroup, "none");
+  const Number *asked = find_coverage(summary, "mean", "walking", "wrist", "none"),
+               *asked_occluded = find_coverage(summary, "mean", "walking, occluded", "wrist", "none");
+  ASSERT_TRUE(asked && asked_occluded);
+  EXPECT_GT(asked_occluded->n, 0u);
+  EXPECT_LT(asked_occluded->n, asked->n);
+  EXPECT_LT(occluded->low, occluded->value);
+  EXPECT_GT(summary.numbers.value(occluded->with({.statistic = "p95"})), occluded->value);
+  const Number* d = find_difference(summary, "single k1", "walking, occluded", kAverageGroup, "none");
   ASSERT_NE(d, nullptr);
   EXPECT_GT(d->n, 0u);
   // apart, the numbers of all samples stay what they are
   const ResultsSummary plain = evaluated.of(spec, statistics_study(R"("alignments": ["mean", "none"])"));
-  EXPECT_EQ(find_cell(plain, "mean", "walking", "wrist", "none")->mae_m, all->mae_m);
-  EXPECT_EQ(find_cell(plain, "mean", "walking", "wrist", "none")->mae_low_m, all->mae_low_m);
+  EXPECT_EQ(find_error(plain, "mean", "walking", "wrist", "none")->value, all->value);
+  EXPECT_EQ(find_error(plain, "mean", "walking", "wrist", "none")->low, all->low);
 }
 
 }  // namespace

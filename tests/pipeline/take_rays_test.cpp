@@ -9,6 +9,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -12,6 +12,7 @@
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/error_cells.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
 
@@ -33,7 +34,7 @@ SimulationSpec tracking_spec(std::uint64_t participants, double duration_s) {
 StudySpec study(const std::string& members) { return study_of(R"("alignments": ["none"], )" + members); }
 
 double mae_m(const ResultsSummary& summary, const std::string& method, const std::string& group) {
-  const SummaryCell* cell = find_cell(summary, method, "walking", group, "none");
+  const auto cell = find_cell(summary, method, "walking", group, "none");
   return cell ? cell->mae_m : kNoNumber;
 }
 
@@ -48,7 +49,7 @@ TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
                                                 campaign, folder / "given", {});
   EXPECT_GT(mae_m(as_given, "mean", "shoulder"), 0.05);
   EXPECT_LT(mae_m(repaired, "mean", "shoulder"), 0.015);  // clocks and movement only
-  for (const SummaryCell& cell : repaired.cells)
+  for (const ErrorCell& cell : error_cells(repaired))
     if (cell.group != kAverageGroup) {
       EXPECT_LT(cell.max_m, 0.05) << cell.group;  // nor at the ends of stretches
     }

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from made import SOURCE, ScratchTest, made, trilat
+from made import SOURCE, ScratchTest, cells, made, numbers, trilat
 
 sys.path.insert(0, str(SOURCE / "python"))
 import trilat as library  # noqa: E402
@@ -36,6 +36,11 @@ def walk(seed=1, frames=FRAMES, person=0.0):
     return time_s, points
 
 
+def bias_of(results, cell):
+    keys = {key: cell[key] for key in ("group", "method", "alignment")}
+    return [numbers(results, measure=axis, statistic="bias", **keys)[0]["value"] for axis in "xyz"]
+
+
 class Compared(ScratchTest):
     def setUp(self):
         super().setUp()
@@ -49,9 +54,6 @@ class Compared(ScratchTest):
 
     def compared(self, *files, code=0, more=()):
         return trilat("compare", self.folder / "truth.csv", *files, "-o", self.folder / "results", "--force", *more, code=code)
-
-    def cells(self):
-        return json.loads((self.folder / "results/summary.json").read_text())["cells"]
 
 
 class Compare(Compared):
@@ -69,21 +71,26 @@ class Compare(Compared):
                 given = np.stack([np.interp(self.time_s, self.time_s[known], given[known, axis]) for axis in range(3)], axis=1)
                 asked = np.array([holes[i - 1:i + 2].sum() <= 1 for i in range(FRAMES)])
             error = given - self.truth[key]
-            cell = {c["alignment"]: c for c in self.cells() if c["group"] == key.replace("_left", "").replace("_right", "")}
+            cell = {c["alignment"]: c for c in cells(self.folder / "results") if c["group"] == key.replace("_left", "").replace("_right", "")}
             if key in ("head", "ankle_left", "ankle_right"):
                 continue  # judged below, or two joints in one group
             self.assertAlmostEqual(cell["none"]["mae_m"], np.linalg.norm(error, axis=1).mean(), delta=1e-9)
-            np.testing.assert_allclose(cell["none"]["bias_m"], error.mean(axis=0), atol=1e-9)
+            np.testing.assert_allclose(bias_of(self.folder / "results", cell["none"]), error.mean(axis=0), atol=1e-9)
             self.assertAlmostEqual(cell["mean"]["mae_m"], np.linalg.norm(error - error.mean(axis=0), axis=1).mean(), delta=1e-9)
         self.assertTrue(asked.any())
         ankles = np.concatenate([noise["ankle_left"], noise["ankle_right"]])
-        cell = next(c for c in self.cells() if c["group"] == "ankle" and c["alignment"] == "none")
+        cell = next(c for c in cells(self.folder / "results") if c["group"] == "ankle" and c["alignment"] == "none")
         self.assertAlmostEqual(cell["mae_m"], np.linalg.norm(ankles, axis=1).mean(), delta=1e-9)
 
     def test_it_prints_none_before_mean_in_centimetres_with_the_bias(self):
         said = self.compared(self.brought("mine.trc", lambda at, key: at + [0.03, 0, -0.04]))
         self.assertRegex(said, r"none +mine +5\.00 \(\S+ to \S+\) +100\.0 +3\.00 +0\.00 +-4\.00 +6\n")
         self.assertLess(said.index("none  "), said.index("mean  "))
+
+    def test_a_point_with_the_name_of_the_mean_of_all_is_refused(self):
+        self.truth["average"] = self.truth.pop("LTH3")
+        library.write_joints(self.folder / "truth.csv", self.time_s, self.truth)
+        self.assertIn('has a point called "average"', self.compared(self.brought("mine.csv", lambda at, key: at), code=2))
 
     def test_the_page_says_the_line_that_makes_it_again(self):
         self.compared(self.brought("mine.csv", lambda at, key: at))
@@ -155,7 +162,7 @@ class Compare(Compared):
     def test_frames_a_second_apart_are_not_joined_by_lines(self):
         library.write_joints(self.folder / "mine.csv", self.time_s[::50], {key: at[::50] for key, at in self.truth.items()})
         said = self.compared(self.folder / "mine.csv")
-        cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+        cell = next(c for c in cells(self.folder / "results") if c["group"] == "average" and c["alignment"] == "none")
         self.assertEqual(50 * cell["answered"], cell["asked"])
         self.assertLess(cell["mae_m"], 1e-6)
         self.assertIn("has no position for 9", said)
@@ -166,7 +173,7 @@ class Compare(Compared):
             with self.subTest(words):
                 said = self.compared(self.brought("mine.csv", lambda at, key: at + [0.03, 0, 0.04], (self.time_s + begin) / unit))
                 self.assertIn(words, said)
-                cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+                cell = next(c for c in cells(self.folder / "results") if c["group"] == "average" and c["alignment"] == "none")
                 self.assertAlmostEqual(cell["mae_m"], 0.05, delta=1e-4)
         library.write_joints(self.folder / "truth.csv", self.time_s + 1.76e9, self.truth)
         said = self.compared(self.brought("mine.csv", lambda at, key: at + [0.03, 0, 0.04], self.time_s + 1.76e9))
@@ -180,13 +187,13 @@ class Compare(Compared):
         library.write_joints(self.folder / "mine.csv", self.time_s, {key: at + [0.01, 0.02, 0.03] for key, at in turned.items()})
         said = self.compared(self.folder / "mine.csv", more=["--up", "z"])
         self.assertIn("has its z axis up, as stated", said)
-        cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
-        np.testing.assert_allclose(cell["bias_m"], [0.01, 0.03, -0.02], atol=1e-9)
+        cell = next(c for c in cells(self.folder / "results") if c["group"] == "average" and c["alignment"] == "none")
+        np.testing.assert_allclose(bias_of(self.folder / "results", cell), [0.01, 0.03, -0.02], atol=1e-9)
 
     def test_a_start_that_the_motion_shows_is_applied_where_that_is_asked_for(self):
         late = self.brought("late.csv", lambda at, key: at, self.time_s + 0.2)
         self.compared(late, more=["--clock-by-motion"])
-        cell = next(c for c in self.cells() if c["group"] == "average" and c["alignment"] == "none")
+        cell = next(c for c in cells(self.folder / "results") if c["group"] == "average" and c["alignment"] == "none")
         self.assertLess(cell["mae_m"], 0.01)
 
     def test_bad_input_is_refused_at_its_place(self):
@@ -225,13 +232,13 @@ class Compare(Compared):
         mine.write_bytes(b"\xef\xbb\xbf" + mine.read_bytes())  # as a spreadsheet saves it
         said = self.compared(mine, more=["--mapping", mapping])
         self.assertIn("names tail that are in none of the files, and not compared", said)
-        self.assertEqual({c["group"] for c in self.cells()}, {"head"})
+        self.assertEqual({c["group"] for c in cells(self.folder / "results")}, {"head"})
 
     def test_names_of_pose_estimators_are_the_joints_that_they_mean(self):
         called = {"head": "Head", "knee_left": "LKnee", "ankle_left": "LAnkle", "ankle_right": "RAnkle"}
         library.write_joints(self.folder / "openpose.trc", self.time_s, {called[key]: self.truth[key] for key in called})
         self.compared(self.folder / "openpose.trc")
-        self.assertEqual({c["group"] for c in self.cells()}, {"head", "knee", "ankle", "average"})
+        self.assertEqual({c["group"] for c in cells(self.folder / "results")}, {"head", "knee", "ankle", "average"})
 
     @unittest.skipUnless(OPENSIM.exists(), f"{OPENSIM} is not there")
     def test_a_real_trc_against_itself_has_the_shift_and_turn_that_were_put_in(self):
@@ -246,11 +253,11 @@ class Compare(Compared):
             moved.append("\t".join([*row[:2], *(f"{x:.6f}" if ok else "" for point, ok in zip(to, seen) for x in point)]))
         (self.folder / "moved.trc").write_text("\n".join(moved) + "\n")
         said = trilat("compare", OPENSIM, self.folder / "moved.trc", "--up", "z", "-o", self.folder / "results")
-        cells = [c for c in self.cells() if c["group"] not in ("average",) and c["alignment"] == "none"]
+        groups = [c for c in cells(self.folder / "results") if c["group"] != "average" and c["alignment"] == "none"]
         names = head[3].split("\t")[2::3]
         by_name = dict(zip(names, np.nanmean(np.array(lengths), axis=0) / 1000))
-        self.assertGreater(sum(cell["group"] in by_name for cell in cells), 20)
-        for cell in cells:
+        self.assertGreater(sum(cell["group"] in by_name for cell in groups), 20)
+        for cell in groups:
             if cell["group"] in by_name:
                 self.assertAlmostEqual(cell["mae_m"], by_name[cell["group"]], delta=1e-8, msg=cell["group"])
 
@@ -282,10 +289,10 @@ class Brought(ScratchTest):
             with np.errstate(invalid="ignore"):
                 summary = self.own_fusion(f"camp{repair}", repair)
             self.assertEqual(summary["methods"], ["mean", "nonlinear", "mine"])
-            error[repair] = {c["method"]: c["mae_m"] for c in summary["cells"] if c["group"] == "average" and c["condition"] == "walking"}
+            error[repair] = {c["method"]: c["mae_m"] for c in cells(self.folder / "results") if c["group"] == "average" and c["condition"] == "walking"}
             self.assertAlmostEqual(error[repair]["mine"], error[repair]["mean"], delta=0.01)
             self.assertNotEqual(error[repair]["mine"], error[repair]["mean"])
-            self.assertIn("given", next(c for c in summary["cells"] if c["method"] == "mine")["statuses"])
+            self.assertTrue(numbers(self.folder / "results", method="mine", measure="status", statistic="given"))
             self.assertEqual([note for note in summary["notes"] if note["place"].endswith("walking.csv")], [])
         self.assertLess(error[True]["mine"], error[False]["mine"] - 0.01)
         trilat("report", self.folder / "results", "-o", self.folder / "report")
@@ -307,9 +314,9 @@ class Brought(ScratchTest):
         began = time.monotonic()
         trilat("run", study, "--campaign", self.folder / "camp", "-o", self.folder / "results")
         print(f"16 takes of two brought methods: {time.monotonic() - began:.2f} s")
-        cells = {c["method"]: c for c in json.loads((self.folder / "results/summary.json").read_text())["cells"] if c["group"] == "average"}
-        self.assertAlmostEqual(cells["a"]["mae_m"], 0.02, delta=1e-9)
-        self.assertAlmostEqual(cells["b"]["mae_m"], 0.03, delta=1e-9)
+        error_m = {c["method"]: c["mae_m"] for c in cells(self.folder / "results") if c["group"] == "average"}
+        self.assertAlmostEqual(error_m["a"], 0.02, delta=1e-9)
+        self.assertAlmostEqual(error_m["b"], 0.03, delta=1e-9)
         solved = self.written("solved.json", {**json.loads(study.read_text()), "methods": [{"method": "mean"}]})
         self.assertIn("/methods: need takes with a session", trilat("run", solved, "--campaign", self.folder / "camp", "-o", self.folder / "x", code=2))
         offsets = self.written("offsets.json", {**json.loads(study.read_text()), "alignments": ["joint_offset"]})

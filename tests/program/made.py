@@ -3,6 +3,7 @@
 
 `python3 made.py FOLDER` makes it: simulation.json, study.json, campaign/ (4 participants, 2 activities, 8 s), results/ and report/.
 `python3 made.py FOLDER reproduced` makes `trilat reproduce --scale quick`."""
+import csv
 import glob
 import json
 import os
@@ -23,6 +24,7 @@ SIMULATION = {"format": "trilat.simulation", "version": 1, "name": "made", "seed
               "activities": [{"name": "walking", "duration_s": 8}, {"name": "arm_swing", "duration_s": 8}]}
 STUDY = {"format": "trilat.study", "version": 1, "kind": "accuracy", "name": "table3", "paper": "table3", "alignments": ["mean", "none"],
          "methods": [{"method": "nonlinear"}, {"method": "linear"}, {"method": "mean"}, {"method": "single", "sensors": ["k2"]}]}
+CELL = ("condition", "group", "method", "alignment")
 UNSETTLED = {"run.json", "hashes.json", "timings.json"}  # of the machine and of the time
 
 
@@ -57,6 +59,23 @@ def make(folder):
     trilat("simulate", folder / "bench.json", "-o", folder / "bench")
     trilat("run", folder / "study.json", "--campaign", folder / "campaign", "-o", folder / "results")
     trilat("report", folder / "results", "-o", folder / "report", "--time", "2026-01-01")
+
+
+def numbers(results, **keys):
+    """Rows of numbers.csv with these keys, of all takes together unless one is named."""
+    with open(Path(results) / "numbers.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if all(row[key] == value for key, value in {"take": "", **keys}.items())]
+    return [{**row, **{key: float(row[key] or "nan") for key in ("value", "low", "high", "n", "clusters")}} for row in rows]
+
+
+def cells(results):
+    """A dict a condition, group, method and alignment, with what is asked and answered and the mean error."""
+    means = {tuple(row[key] for key in CELL): row for row in numbers(results, measure="distance", statistic="mean")}
+    found = []
+    for asked in numbers(results, measure="answered", statistic="share"):
+        mean = means.get(tuple(asked[key] for key in CELL), {"value": None, "n": 0.0})
+        found.append({**{key: asked[key] for key in CELL}, "asked": asked["n"], "answered": mean["n"], "mae_m": mean["value"]})
+    return found
 
 
 def ended(*words, cwd=None, env=None, largest_file=None):

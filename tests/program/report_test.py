@@ -14,7 +14,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 from engine_test import STUDIES, WALK
-from made import SOURCE, ScratchTest, everything_in, made, trilat
+from made import CELL, SOURCE, ScratchTest, everything_in, made, numbers, trilat
 
 GOLDEN = SOURCE / "tests/golden"
 NUMBER = re.compile(r"(?<![A-Za-z0-9_])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
@@ -215,17 +215,18 @@ class Report(ScratchTest):
         self.assertNotIn("<b>", Page(page).cells)
         self.assertNotIn('"g" <b>', page)
 
-    def test_what_follows_from_other_numbers_of_a_summary_does(self):
-        summary = json.loads((made() / "results/summary.json").read_text())
-        for cell in summary["cells"]:
-            self.assertAlmostEqual(cell["coverage"], cell["answered"] / cell["asked"])
-        judged = [d for d in summary["differences"] if d["low_m"] is not None]
-        self.assertTrue(judged)
-        for d in judged:
-            self.assertEqual(d["significant"], d["low_m"] > 1e-6 or d["high_m"] < -1e-6)
-            self.assertLessEqual(d["low_m"], d["difference_m"])
-            self.assertGreaterEqual(d["high_m"], d["difference_m"])
-        self.assertEqual({True, False}, {d["significant"] for d in judged})
+    def test_what_follows_from_other_numbers_does(self):
+        shares = numbers(made() / "results", measure="answered", statistic="share")
+        self.assertTrue(shares)
+        answered = {tuple(row[key] for key in CELL): row["n"] for row in numbers(made() / "results", measure="distance", statistic="mean")}
+        for row in shares:
+            self.assertAlmostEqual(row["value"], answered[tuple(row[key] for key in CELL)] / row["n"])
+        differences = [row for row in numbers(made() / "results", statistic="difference") if row["clusters"] > 1]
+        self.assertTrue(differences)
+        for row in differences:
+            self.assertEqual(float(row["p"]) < 0.05, row["low"] > 0 or row["high"] < 0)
+            self.assertTrue(row["low"] <= row["value"] <= row["high"])
+        self.assertEqual({True, False}, {float(row["p"]) < 0.05 for row in differences})
 
     def test_results_of_one_name_are_refused(self):
         shutil.copytree(made() / "results", self.folder / "a/results")

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import unittest
 
-from made import PROGRAM, SOURCE, ScratchTest, trilat
+from made import PROGRAM, SOURCE, ScratchTest, cells, numbers, trilat
 
 try:
     import pandas
@@ -48,10 +48,10 @@ class Vary(ScratchTest):
         for row in points[points["point"] == 4].to_dict("records"):
             worst = -100.0
             for reference in ("mean", "median"):
-                summary = json.loads((self.folder / reference / "summary.json").read_text())
-                of = {(d["alignment"], d["method"]): d["percent_of_reference"] for d in summary["differences"] if d["group"] == "average"}
+                of = {(d["alignment"], d["method"]): 100 * d["value"]
+                      for d in numbers(self.folder / reference, statistic="relative_difference", group="average")}
                 worst = max(worst, of[row["alignment"], "nonlinear"])
-                cell = next(c for c in summary["cells"] if (c["group"], c["method"], c["alignment"]) == ("average", "mean", row["alignment"]))
+                cell = next(c for c in cells(self.folder / reference) if (c["group"], c["method"], c["alignment"]) == ("average", "mean", row["alignment"]))
                 self.assertAlmostEqual(row["mean (m)"], cell["mae_m"], delta=1e-12)
             self.assertAlmostEqual(row["nonlinear first (%)"], worst, delta=1e-6)
         for row in shares.to_dict("records"):

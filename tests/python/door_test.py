@@ -42,6 +42,9 @@ class Opened(unittest.TestCase):
         call("simulate", cls.folder / "simulation.json", "-o", cls.folder / "camp")
         cls.results = trilat.run(cls.folder / "study.json", campaign=cls.folder / "camp", output=cls.folder / "results")
 
+    def errors_of_the_wrists(self):
+        return trilat.numbers(self.results.folder, method="mean", group="wrist", alignment="none", measure="distance", statistic="mean")
+
 
 class Door(Opened):
     def test_a_failing_run_raises_with_the_programs_message(self):
@@ -83,10 +86,9 @@ class Door(Opened):
 
     def test_mean_error_of_the_columns_is_the_tables(self):
         columns = self.results.columns()
-        cell = next(c for c in self.results.summary["cells"]
-                    if (c["method"], c["group"], c["alignment"]) == ("mean", "wrist", "none"))
+        (mean,) = self.errors_of_the_wrists()
         chosen = (columns["method"] == "mean") & np.isin(columns["joint"], ["wrist_left", "wrist_right"])
-        self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), cell["mae_m"], 7)
+        self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), mean["value"], 7)
 
     def test_errors_under_every_alignment_are_those_of_the_tables(self):
         for alignment in ("none", "first", "mean", "rigid", "held_out", "joint_offset"):
@@ -95,12 +97,12 @@ class Door(Opened):
                 results = trilat.run(self.folder / "aligned.json", campaign=self.folder / "camp", output=self.folder / "aligned")
                 columns = results.columns()
                 checked = 0
-                for cell in results.summary["cells"]:
-                    chosen = (columns["method"] == cell["method"]) & np.isin(columns["joint"], [cell["group"], f"{cell['group']}_left",
-                                                                                                f"{cell['group']}_right"])
-                    if cell["group"] == "average":
+                for row in trilat.numbers(results.folder, measure="distance", statistic="mean"):
+                    chosen = (columns["method"] == row["method"]) & np.isin(columns["joint"], [row["group"], f"{row['group']}_left",
+                                                                                               f"{row['group']}_right"])
+                    if row["group"] == "average":
                         continue
-                    self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), cell["mae_m"], 7)
+                    self.assertAlmostEqual(np.nanmean(columns["error_m"][chosen]), row["value"], 7)
                     checked += 1
                 self.assertGreater(checked, 5)
 
@@ -215,7 +217,7 @@ class Door(Opened):
         shutil.copytree(self.results.folder, newer)
         summary = json.loads((newer / "summary.json").read_text())
         (newer / "summary.json").write_text(json.dumps({**summary, "version": 99}))
-        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 10"):
+        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 11"):
             trilat.results(newer)
         (newer / "summary.json").write_text(json.dumps(summary))
         for samples in newer.glob("items/*/take.h5"):
@@ -269,20 +271,20 @@ class Frames(Opened):
         errors = self.results.errors()
         rows = errors[(errors.method == "mean") & (errors.alignment == "none") & (errors.subset == "all")
                       & errors.joint.isin(["wrist_left", "wrist_right"])]
-        cell = next(cell for cell in self.results.summary["cells"]
-                    if (cell["method"], cell["group"], cell["alignment"]) == ("mean", "wrist", "none"))
-        self.assertAlmostEqual(rows.length_m.sum() / rows.answered.sum(), cell["mae_m"], 12)
-        self.assertEqual(rows.closed_form.sum(), cell["statuses"]["closed_form"])
-        self.assertEqual(rows.answered.sum(), cell["answered"])
+        (mean,) = self.errors_of_the_wrists()
+        (ended,) = trilat.numbers(self.results.folder, method="mean", group="wrist", alignment="none", statistic="closed_form")
+        self.assertAlmostEqual(rows.length_m.sum() / rows.answered.sum(), mean["value"], 12)
+        self.assertEqual(rows.closed_form.sum(), ended["n"])
+        self.assertEqual(rows.answered.sum(), mean["n"])
 
     def test_tables_and_timelines(self):
         samples = self.results.samples("p01-walking")
         self.assertEqual(set(samples["take"]), {"p01-walking"})
         table = self.results.table()
         self.assertEqual(list(table.index), ["nonlinear", "mean"])
-        cells = self.results.list("cells")
-        expected = cells[(cells.method == "mean") & (cells.group == "wrist") & (cells.alignment == "none")].mae_m.iloc[0]
-        self.assertEqual(table.loc["mean", "wrist"], expected)
+        self.assertEqual(table.loc["mean", "wrist"], self.errors_of_the_wrists()[0]["value"])
+        self.assertLess(self.results.table("median").loc["mean", "wrist"], self.results.table("p95").loc["mean", "wrist"])
+        self.assertEqual(len(self.results.numbers(take="p01-walking", measure="distance", method="mean")), len(self.results.joints))
         timeline = self.results.timeline("p01-walking", "wrist_left")
         self.assertEqual(list(timeline.columns), ["nonlinear", "mean"])
         self.assertGreater(len(timeline), 80)
@@ -290,7 +292,8 @@ class Frames(Opened):
                              (lambda: self.results.timeline("p01-walking", "tail"), 'no joint "tail"; it has head'),
                              (lambda: self.results.timeline("p01-walking", "head", "k9"), 'no track "k9"; it has mocap'),
                              (lambda: self.results.samples("p09"), 'no take "p09"; it has p01-walking'),
-                             (lambda: self.results.list("celts"), 'no list "celts"; it has')):
+                             (lambda: self.results.numbers(joint="head"), 'no column "joint"; it has condition'),
+                             (lambda: self.results.table("mode"), "has no mode of distance")):
             with self.assertRaisesRegex(trilat.InputError, words):
                 wrong()
 

@@ -139,7 +139,8 @@ class RealTest(unittest.TestCase):
         campaign = json.loads((self.folder / "campaign/campaign.json").read_text())
         self.assertEqual((campaign["simulated"], campaign["takes"][0]["activity"]), (False, "shoulder scaption"))
         results = trilat.run(STUDY, campaign=self.folder / "campaign", output=self.folder / "results")
-        errors = {cell["group"]: 100 * cell["mae_m"] for cell in results.summary["cells"] if cell["alignment"] == "mean"}
+        errors = {row["group"]: 100 * row["value"]
+                  for row in trilat.numbers(results.folder, measure="distance", statistic="mean", alignment="mean")}
         self.assertTrue(0.1 < errors["ankle"] < 1.0 and 0.5 < errors["elbow"] < 3.0 and 0.5 < errors["wrist"] < 4.0, errors)
         self.assertFalse(results.summary["simulated"])
         self.assertIn("is there already", self.converted("ui-prmd", data, "-o", self.folder / "campaign", code=2))

@@ -5,6 +5,7 @@
     recompute_test.py PROGRAM
 """
 import copy
+import csv
 import json
 import pathlib
 import subprocess
@@ -24,7 +25,7 @@ PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/trilat"
 SAME_M = 1e-6  # single precision at 4 m
 SAME_RATIO = 1e-6  # of numbers that are stored in single precision
 BIN_M = 1e-3  # quantiles are of histograms
-QUANTILES = ("p05_m", "p25_m", "median_m", "p75_m", "p90_m", "p95_m")
+QUANTILES = ("p05", "p25", "median", "p75", "p90", "p95")
 SENSORS = ["k1", "k2", "k3", "k4"]
 ALIGNMENTS = ["mean", "none", "first", "rigid", "held_out", "joint_offset"]
 REFERENCE = "nonlinear"
@@ -175,29 +176,37 @@ def compare_geometry(take, name, samples, m, place):
                  samples.gdop[:, :, m][finite] / gdop, 1e-4)
 
 
-def compare_numbers(where, expected, written):
-    for key, value in expected.items():
-        other = np.nan if written[key] is None else written[key]
-        tolerance = 0 if isinstance(value, int) else BIN_M if key in QUANTILES else SAME_RATIO * max(1.0, abs(value))
-        require_same(lambda: f"{key} of {where}", np.asarray(value), np.asarray(other), tolerance)
+class Stored:
+    """The rows of numbers.csv. Each is compared once and taken out, so that in the end none is left."""
+
+    def __init__(self, folder):
+        with open(folder / "numbers.csv", newline="") as file:
+            self.rows = {tuple(row[key] for key in trilat.NUMBER_KEYS):
+                         {key: float(row[key] or "nan") for key in ("value", "low", "high", "n", "clusters")} for row in csv.DictReader(file)}
+
+    def require(self, value, n, tolerance=None, **keys):
+        """Gives the row; nothing where the value is NaN, which is not stored."""
+        where = ", ".join(f"{key} {text}" for key, text in keys.items())
+        row = self.rows.pop(tuple(keys.get(key, "") for key in trilat.NUMBER_KEYS), None)
+        if (row is None) != bool(np.isnan(value)):
+            raise Different(f"{where}: {value} computed again, {row} in the results")
+        if row is not None:
+            require_same(lambda: where, np.asarray(float(value)), np.asarray(row["value"]),
+                         SAME_RATIO * max(1.0, abs(value)) if tolerance is None else tolerance)
+            require_same(lambda: f"n of {where}", np.asarray(float(n)), np.asarray(row["n"]), 0)
+        return row
 
 
-def compare_tables(takes, summary):
-    """Every cell and difference of summary.json, of all samples and of those that a sensor sees occluded."""
-    cells = {(c["condition"], c["method"], c["alignment"], c["group"]): c for c in summary["cells"]}
-    differences = {(d["condition"], d["method"], d["alignment"], d["group"]): d for d in summary["differences"]}
-    conditions = list(dict.fromkeys(s.condition for s in takes))
-    for condition in conditions:
+def compare_tables(takes, stored):
+    """The numbers of all takes together, of all samples and of those that a sensor sees occluded."""
+    for condition in dict.fromkeys(s.condition for s in takes):
         of_condition = [s for s in takes if s.condition == condition]
         for m, name in enumerate(takes[0].methods):
             for alignment in ALIGNMENTS:
-                compare_method(of_condition, condition, m, name, alignment, cells, differences)
-    if cells or differences:
-        raise Different(f"summary.json also has {[*cells, *differences]}")
+                compare_method(of_condition, condition, m, name, alignment, stored)
 
 
-def compare_method(takes, condition, m, name, alignment, cells, differences):
-    """Takes what it has compared out of `cells` and `differences`."""
+def compare_method(takes, condition, m, name, alignment, stored):
     groups, reference = tables.joints_of_groups(takes[0].joints), takes[0].methods.index(REFERENCE)
     errors_m = [tables.errors_of(s, m, alignment, s.answered[:, :, m]) for s in takes]
     pairs = [tables.lengths_on_both(s, m, reference, alignment) for s in takes]
@@ -207,30 +216,48 @@ def compare_method(takes, condition, m, name, alignment, cells, differences):
         computed = {g: cell for g, cell in computed.items() if cell["asked"] > 0}
         against = tables.differences_of(pairs, {g: groups[g] for g in computed}, parts)
         computed["average"] = tables.average_of(computed.values())
-        for group, numbers in computed.items():
-            where, cell = f"{condition}, alignment {alignment}, group {group}", cells.pop((condition, name, alignment, group))
-            compare_numbers(f"{name}, {where}", numbers, cell)
-            if cell["clusters"] > 1 and len(takes) == 1 and group != "average" and parts is asked:
-                numbers = dict(zip(("mae_low_m", "mae_high_m", "clusters"), tables.interval_of_blocks(takes[0], m, groups[group], alignment)))
-                compare_interval(f"{name}, {where}", {**numbers, "mae_low_m": max(0.0, numbers["mae_low_m"])}, cell)
+        for group, cell in computed.items():
+            keys = {"condition": condition, "group": group, "method": name, "alignment": alignment}
+            mean = compare_cell(cell, keys, stored)
+            if alignment in ("none", "mean") and group != "average":
+                compare_limits(takes, errors_m, parts, groups[group], keys, stored)
+            if mean and mean["clusters"] > 1 and len(takes) == 1 and group != "average" and parts is asked:
+                low_m, high_m, clusters = tables.interval_of_blocks(takes[0], m, groups[group], alignment)
+                for key, value in (("low", max(0.0, low_m)), ("high", high_m), ("clusters", clusters)):
+                    require_same(lambda: f"{key} of {keys}", np.asarray(value), np.asarray(mean[key]), 1e-5 * max(1.0, value))
             if m != reference:
-                compare_numbers(f"{name} - {REFERENCE}, {where}", against[group],
-                                differences.pop((condition, name, alignment, group)))
+                n, difference_m, share = against[group]
+                for statistic, value in (("difference", difference_m), ("relative_difference", share)):
+                    stored.require(value, n, **keys, against=REFERENCE, measure="distance", statistic=statistic)
 
 
-def compare_interval(where, numbers, cell):
-    for key, value in numbers.items():
-        require_same(lambda: f"{key} of {where}", np.asarray(value), np.asarray(cell[key]), 1e-5 * max(1.0, value))
+def compare_cell(cell, keys, stored):
+    for status, count in cell["statuses"].items():
+        stored.require(count / cell["asked"], count, **keys, measure="status", statistic=status)
+    stored.require(cell["answered"] / cell["asked"], cell["asked"], **keys, measure="answered", statistic="share")
+    for (measure, statistic), value in cell["statistics"].items():
+        n = cell["asked"] if measure == "iterations" else cell["answered"]
+        stored.require(value, n, BIN_M if statistic in QUANTILES else None, **keys, measure=measure, statistic=statistic)
+    return stored.require(cell["mean"], cell["answered"], **keys, measure="distance", statistic="mean")
 
 
-def compare_bodies(takes, summary):
-    for cell in summary["bodies"]:
-        if not cell["condition"].endswith("occluded"):
-            numbers = tables.bodies_of([s for s in takes if s.condition == cell["condition"]], takes[0].methods.index(cell["method"]))
-            for key, value in numbers.items():
-                written = np.array(cell[key], float)
-                require_same(lambda at=0: f"{key} of bodies of {cell['method']}, {cell['condition']}", np.asarray(value, float), written,
-                             SAME_RATIO * max(1.0, np.nanmax(np.abs(np.append(written, 0.0)))))
+def compare_limits(takes, errors_m, parts, joints, keys, stored):
+    for axis, measure in enumerate("xyz"):
+        for statistic, value in tables.limits_of(takes, errors_m, parts, joints, axis).items():
+            n = sum(np.isfinite(e[:, joints, 0][part[:, joints]]).sum() for e, part in zip(errors_m, parts))
+            stored.require(value, n, **keys, measure=measure, statistic=statistic)
+
+
+def compare_bodies(takes, stored):
+    for condition in dict.fromkeys(s.condition for s in takes):
+        of_condition = [s for s in takes if s.condition == condition]
+        for m, name in enumerate(takes[0].methods):
+            bodies = tables.bodies_of(of_condition, m)
+            for (measure, statistic, alignment), (value, n) in bodies.items():
+                if measure != "truth":
+                    stored.require(value, n, **{"condition": condition, "method": name, "measure": measure, "statistic": statistic, "alignment": alignment})
+        value, n = bodies["truth", "mean", ""]
+        stored.require(value, n, condition=condition, measure="jerk", statistic="mean_of_truth")
 
 
 def compare_angles(takes, shown):
@@ -251,12 +278,11 @@ def compare_angles(takes, shown):
     return seen
 
 
-def compare_rows_of_takes(takes, ids, summary, error_m):
-    """by_take, and the errors that the Python module gives: both under the study's first alignment."""
+def compare_rows_of_takes(takes, ids, stored, error_m):
+    """Numbers by take, and the errors that the Python module gives: both under the study's first alignment."""
     shapes = [s.estimate_m.shape for s in takes]
     given_m = [part.reshape(shape) for part, shape in
                zip(np.split(error_m, np.cumsum([np.prod(shape[:3]) for shape in shapes])[:-1]), shapes)]
-    rows = {(r["take"], r["condition"], r["method"], r["joint"]): r for r in summary["by_take"]}
     for s, take, given in zip(takes, ids, given_m):
         for m, name in enumerate(s.methods):
             errors_m = tables.errors_of(s, m, ALIGNMENTS[0], s.answered[:, :, m])
@@ -264,15 +290,10 @@ def compare_rows_of_takes(takes, ids, summary, error_m):
                          errors_m, given[:, :, m], SAME_M)
             for condition, part in ((s.condition, s.asked), (f"{s.condition}, occluded", s.asked & (s.occluded > 0))):
                 for j in np.flatnonzero(part.any(axis=0)):
-                    row = rows.pop((take, condition, name, s.joints[j]))
-                    compare_row(f"{name}, {condition}, take {take}, joint {s.joints[j]}", row, part[:, j],
-                                np.linalg.norm(errors_m[s.answered[:, j, m] & part[:, j], j], axis=1))
-    if rows:
-        raise Different(f"summary.json also has {list(rows)}")
-
-
-def compare_row(where, row, asked, length_m):
-    compare_numbers(where, {"asked": int(asked.sum()), "answered": len(length_m), "mae_m": tables.mean_of(length_m)}, row)
+                    keys = {"condition": condition, "take": take, "group": s.joints[j], "method": name, "alignment": ALIGNMENTS[0]}
+                    asked, length_m = int(part[:, j].sum()), np.linalg.norm(errors_m[s.answered[:, j, m] & part[:, j], j], axis=1)
+                    stored.require(len(length_m) / asked, asked, **keys, measure="answered", statistic="share")
+                    stored.require(tables.mean_of(length_m), len(length_m), **keys, measure="distance", statistic="mean")
 
 
 class Results:
@@ -291,7 +312,7 @@ class Results:
         run_program("simulate", folder / f"{name}_simulation.json", "-o", folder / name)
         results = folder / f"{name}_results"
         run_program("run", folder / f"{name}_study.json", "--campaign", folder / name, "-o", results)
-        self.summary, self.shown = (json.loads((results / file).read_text()) for file in ("summary.json", "tables.json"))
+        self.stored, self.shown = Stored(results), json.loads((results / "tables.json").read_text())
         manifest = json.loads((results / "manifest.json").read_text())
         items = [results / "items" / manifest["items"]["takes/" + take["id"]] for take in manifest["takes"]]
         self.samples = []
@@ -313,9 +334,12 @@ class Results:
     def compare(self):
         for take, samples in zip(self.takes, self.samples):
             compare_take(take, samples)
-        compare_rows_of_takes(self.samples, [take.id for take in self.takes], self.summary, self.error_m)
-        compare_tables(self.samples, self.summary)
-        compare_bodies(self.samples, self.summary)
+        stored = copy.deepcopy(self.stored)
+        compare_rows_of_takes(self.samples, [take.id for take in self.takes], stored, self.error_m)
+        compare_tables(self.samples, stored)
+        compare_bodies(self.samples, stored)
+        if stored.rows:
+            raise Different(f"numbers.csv also has {list(stored.rows)}")
 
 
 class Recompute(unittest.TestCase):
@@ -363,22 +387,23 @@ class Recompute(unittest.TestCase):
             results.samples[0].status[50, 2, 0] = "diverged"
         self.says(alter, "status of linear, take p01-walking, instant 50, joint shoulder_right", "'diverged'")
 
-    def test_a_table_cell_that_is_two_micrometres_off_is_named(self):
+    def row_that_is_off(self, off_m, **keys):
         def alter(results):
-            cell = next(c for c in results.summary["cells"] if c["method"] == "mean" and c["group"] == "elbow"
-                        and c["alignment"] == "rigid")
-            cell["mae_m"] += 2e-6
-        self.says(alter, "mae_m of mean, walking, alignment rigid, group elbow")
+            row = next(row for key, row in results.stored.rows.items() if keys.items() <= dict(zip(trilat.NUMBER_KEYS, key)).items())
+            row["value"] += off_m
+        self.says(alter, *(f"{key} {text}" for key, text in keys.items()))
 
-    def test_a_row_of_a_take_that_is_two_micrometres_off_is_named(self):
-        def alter(results):
-            next(r for r in results.summary["by_take"] if r["method"] == "geometric")["mae_m"] += 2e-6
-        self.says(alter, "mae_m of geometric, walking, take p01-walking, joint head")
+    def test_a_number_that_is_two_micrometres_off_is_named(self):
+        mean = {"measure": "distance", "statistic": "mean"}
+        self.row_that_is_off(2e-6, group="elbow", method="mean", alignment="rigid", **mean)
+        self.row_that_is_off(2e-6, method="geometric", take="p01-walking", **mean)
+        self.row_that_is_off(-2e-6, group="average", method="linear", measure="distance", statistic="difference")
+        self.row_that_is_off(2e-6, method="mean", measure="z", statistic="upper_limit")
 
-    def test_a_difference_that_is_two_micrometres_off_is_named(self):
+    def test_a_number_more_is_named(self):
         def alter(results):
-            next(d for d in results.summary["differences"] if d["group"] == "average")["difference_m"] -= 2e-6
-        self.says(alter, "difference_m of linear - nonlinear, walking, alignment mean, group average")
+            results.stored.rows["walking", *7 * ["more"]] = {}
+        self.says(alter, "numbers.csv also has [('walking', 'more'")
 
 
 if __name__ == "__main__":

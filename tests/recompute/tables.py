@@ -83,20 +83,56 @@ def mean_of(values):
 
 def cell_of(takes, m, joints, errors_m, parts):
     """The numbers of one cell, of the samples in `parts`. Quantiles are of type 7 of Hyndman and Fan."""
-    counted = [(s.answered[:, :, m] & part & np.isfinite(e[:, :, 0]))[:, joints] for s, part, e in zip(takes, parts, errors_m)]
-    length_m = np.concatenate([np.linalg.norm(e[:, joints][c], axis=1) for e, c in zip(errors_m, counted)])
-    asked = int(sum(part[:, joints].sum() for part in parts))
+    asked = [part[:, joints] for part in parts]
+    counted = [(s.answered[:, :, m] & np.isfinite(e[:, :, 0]))[:, joints] & part for s, part, e in zip(takes, asked, errors_m)]
+    error_m = np.concatenate([e[:, joints][c] for e, c in zip(errors_m, counted)])
+    length_m, n = np.linalg.norm(error_m, axis=1), sum(int(part.sum()) for part in asked)
+    ended = collections.Counter()
+    for s, part, c in zip(takes, asked, counted):
+        status = np.where(np.isin(s.status[:, joints, m], ANSWERS) & ~c, "not_solved", s.status[:, joints, m])  # no alignment was found
+        ended.update(status[part])
     quantiles_m = np.quantile(length_m, [0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0]) if len(length_m) else 7 * [np.nan]
-    return {"asked": asked, "answered": len(length_m), "coverage": len(length_m) / asked if asked else np.nan,
-            "mae_m": mean_of(length_m), "rmse_m": np.sqrt(mean_of(length_m**2)),
-            **dict(zip(["p05_m", "p25_m", "median_m", "p75_m", "p90_m", "p95_m", "max_m"], quantiles_m))}
+    iterations = sum(int(s.iterations[:, joints, m][part].astype(np.int64).sum()) for s, part in zip(takes, asked))
+    statistics = {("distance", "rms"): np.sqrt(mean_of(length_m**2)), ("iterations", "mean"): iterations / n if n else np.nan,
+                  **{("distance", name): value for name, value in zip(("p05", "p25", "median", "p75", "p90", "p95", "max"), quantiles_m)}}
+    for axis, name in enumerate("xyz"):
+        statistics[name, "mean_abs"] = mean_of(np.abs(error_m[:, axis]))
+        statistics[name, "bias"] = mean_of(error_m[:, axis])
+    return {"asked": n, "answered": len(length_m), "mean": mean_of(length_m), "statuses": ended, "statistics": statistics}
 
 
 def average_of(cells):
-    """Mean of the groups' errors, but pooled counts."""
-    asked, answered = sum(c["asked"] for c in cells), sum(c["answered"] for c in cells)
-    return {"asked": asked, "answered": answered, "coverage": answered / asked,
-            "mae_m": np.mean([c["mae_m"] for c in cells])}
+    """Mean of the groups' errors and biases, but pooled counts."""
+    cells = list(cells)
+    return {"asked": sum(c["asked"] for c in cells), "answered": sum(c["answered"] for c in cells), "mean": np.mean([c["mean"] for c in cells]),
+            "statuses": sum((c["statuses"] for c in cells), collections.Counter()),
+            "statistics": {(axis, "bias"): np.mean([c["statistics"][axis, "bias"] for c in cells]) for axis in "xyz"}}
+
+
+def blocks_of(instants, rate_hz=30):
+    """Block of time of each instant: five seconds, a twelfth of the take where that is longer."""
+    return np.arange(instants) // max(5 * rate_hz, -(-instants // 12))
+
+
+def limits_of(takes, errors_m, parts, joints, axis):
+    """Standard deviation of a single difference and limits of agreement (Bland and Altman 1999, section 5.3), by one-way
+    analysis of variance between the clusters: takes, of a single take its blocks of time."""
+    differences = [np.where(part[:, joints], e[:, joints, axis], np.nan) for e, part in zip(errors_m, parts)]
+    if len(takes) == 1:
+        blocks = blocks_of(len(differences[0]))
+        differences = [differences[0][blocks == b] for b in range(blocks[-1] + 1)]
+    clusters = [values for values in (d[np.isfinite(d)] for d in differences) if len(values)]
+    if not clusters:
+        return {"sd": np.nan, "lower_limit": np.nan, "upper_limit": np.nan}
+    sizes, everything, k = np.array([len(c) for c in clusters]), np.concatenate(clusters), len(clusters)
+    n, bias = len(everything), everything.mean()
+    within = sum(((c - c.mean())**2).sum() for c in clusters) / (n - k) if n > k else 0.0
+    between = 0.0
+    if k > 1:
+        mean_square = sum(len(c) * (c.mean() - bias)**2 for c in clusters) / (k - 1)
+        between = max(0.0, (mean_square - within) / ((n**2 - (sizes**2).sum()) / ((k - 1) * n)))
+    sd = np.sqrt(within + between)
+    return {"sd": sd, "lower_limit": bias - 1.96 * sd, "upper_limit": bias + 1.96 * sd}
 
 
 BONES = [(f"{a}_{side}", f"{b}_{side}") for side in ("left", "right")
@@ -122,11 +158,13 @@ def jerks_m_s3(points_m, known, rate_hz=30.0):
 
 
 def bodies_of(takes, m, alignment="none"):
-    """The numbers of whole bodies: at instants at which every joint that has a truth is answered."""
-    mpjpe_m, pa_mpjpe_m, near, spreads_m, jerks, truth_jerks = [], [], [], [], [], []
+    """By measure, statistic and alignment the numbers of whole bodies and how many they are of: at instants at which every
+    joint that has a truth is answered."""
+    mpjpe_m, pa_mpjpe_m, near, spreads_m, jerks, truth_jerks, most_bones = [], [], [], [], [], [], 0
     for s in takes:
         errors_m = np.linalg.norm(errors_of(s, m, alignment, s.answered[:, :, m]), axis=2)
         near.append(np.array([np.where(s.answered[:, :, m], errors_m < limit, False)[s.asked] for limit in (0.05, 0.10, 0.15)]))
+        bones = 0
         for i in np.flatnonzero(s.asked.any(axis=1) & (s.answered[:, :, m] | ~s.asked).all(axis=1)):
             mpjpe_m.append(errors_m[i, s.asked[i]].mean())
             pa_mpjpe_m.append(similar(s.estimate_m[i, s.asked[i], m], s.truth_m[i, s.asked[i]]))
@@ -135,16 +173,21 @@ def bodies_of(takes, m, alignment="none"):
                 j, k = s.joints.index(a), s.joints.index(b)
                 both = s.answered[:, j, m] & s.answered[:, k, m]
                 if both.sum() > 1:
+                    bones += 1
                     spreads_m.append(np.std(np.linalg.norm(s.estimate_m[both, j, m] - s.estimate_m[both, k, m], axis=1), ddof=1))
+        most_bones = max(most_bones, bones)
         for j in range(len(s.joints)):
             usable = np.isin(s.status[:, j, m], ANSWERS)
             lengths, four = jerks_m_s3(s.estimate_m[:, j, m], usable)
             jerks += list(lengths[four & s.asked[1:-2, j]])
             lengths, four = jerks_m_s3(s.truth_m[:, j], s.asked[:, j])
             truth_jerks += list(lengths[four])
-    return {"instants": len(mpjpe_m), "mpjpe_m": mean_of(mpjpe_m), "pa_mpjpe_m": mean_of([x for x in pa_mpjpe_m if np.isfinite(x)]),
-            "pck_5cm_10cm_15cm": list(np.concatenate(near, axis=1).mean(axis=1)), "bone_length_sd_m": mean_of(spreads_m),
-            "jitter_m_s3": mean_of(jerks), "truth_jitter_m_s3": mean_of(truth_jerks)}
+    near = np.concatenate(near, axis=1)
+    return {("mpjpe", "mean", alignment): (mean_of(mpjpe_m), len(mpjpe_m)),
+            ("pa_mpjpe", "mean", ""): (mean_of([x for x in pa_mpjpe_m if np.isfinite(x)]), len(mpjpe_m)),
+            **{("within", radius, alignment): (share, near.shape[1]) for radius, share in zip(("5_cm", "10_cm", "15_cm"), near.mean(axis=1))},
+            ("bone", "sd", ""): (mean_of(spreads_m), most_bones), ("jerk", "mean", ""): (mean_of(jerks), len(jerks)),
+            ("truth", "mean", ""): (mean_of(truth_jerks), len(truth_jerks))}
 
 
 STUDENT = {1: 12.7062, 2: 4.30265, 3: 3.18245, 4: 2.77645}  # 97.5 % quantiles by degrees of freedom
@@ -153,7 +196,7 @@ STUDENT = {1: 12.7062, 2: 4.30265, 3: 3.18245, 4: 2.77645}  # 97.5 % quantiles b
 def interval_of_blocks(s, m, joints, alignment, rate_hz=30):
     """95 % interval of the mean error of a single take, whose blocks of five seconds are the clusters; and their number."""
     errors_m = np.linalg.norm(errors_of(s, m, alignment, s.answered[:, :, m]), axis=2)
-    block = np.arange(len(errors_m)) // max(5 * rate_hz, -(-len(errors_m) // 12))
+    block = blocks_of(len(errors_m), rate_hz)
     sums, counts = (np.array([part(errors_m[block == b][:, joints]) for b in range(block[-1] + 1)])
                     for part in (np.nansum, lambda part_m: np.isfinite(part_m).sum()))
     clusters, mean_m = int((counts > 0).sum()), sums.sum() / counts.sum()
@@ -200,5 +243,4 @@ def differences_of(pairs, groups, parts):
         sums[group] = (int(both.sum()), mean_of((ours - theirs)[both]), mean_of(theirs[both]))
     n, difference_m, reference_m = zip(*sums.values())
     sums["average"] = (sum(n), np.mean(difference_m), np.mean(reference_m))
-    return {group: {"n": n, "difference_m": d, "percent_of_reference": 100 * d / r,
-                    "percent_of_method": 100 * d / (r + d)} for group, (n, d, r) in sums.items()}
+    return {group: (n, d, d / r) for group, (n, d, r) in sums.items()}

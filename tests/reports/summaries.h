@@ -7,19 +7,19 @@
 
 namespace trilat {
 
-inline SummaryCell cell_of(const std::string& method, const std::string& group, double mae_m,
-                           std::uint64_t answered = 75) {
-  SummaryCell cell;
-  cell.method = method;
-  cell.condition = "walking";
-  cell.group = group;
-  cell.alignment = "mean";
-  cell.asked = 100;
-  cell.answered = answered;
-  cell.statuses = {{"converged", answered}};
-  if (answered < 100) cell.statuses["too_few_ranges"] = 100 - answered;
-  cell.mae_m = mae_m;
-  return cell;
+// Adds the errors of a method of which 100 samples are asked, and how these ended.
+inline void add_error(ResultsSummary& summary, const std::string& method, const std::string& group,
+                      double mean_m, std::uint64_t answered = 75) {
+  const NumberKey key{.condition = "walking", .group = group, .method = method, .alignment = "mean"};
+  const auto add = [&](const char* measure, const char* statistic, double value, std::uint64_t n) {
+    summary.numbers.add(
+        {key.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+  };
+  const double share = static_cast<double>(answered) / 100.0;
+  add("distance", "mean", mean_m, answered);
+  add("answered", "share", share, 100);
+  add("status", "converged", share, answered);
+  if (answered < 100) add("status", "too_few_ranges", 1.0 - share, 100 - answered);
 }
 
 // Two methods in the paper's four groups; nonlinear at 1, 2, 3 and 6 cm.
@@ -36,8 +36,8 @@ inline ResultsSummary hand_made_summary() {
   summary.alignments = {"mean"};
   const double nonlinear_m[] = {0.01, 0.02, 0.03, 0.06};
   for (std::size_t g = 0; g < 4; ++g) {
-    summary.cells.push_back(cell_of("nonlinear", summary.groups[g], nonlinear_m[g]));
-    summary.cells.push_back(cell_of("mean", summary.groups[g], 0.05, 100));
+    add_error(summary, "nonlinear", summary.groups[g], nonlinear_m[g]);
+    add_error(summary, "mean", summary.groups[g], 0.05, 100);
   }
   return summary;
 }

@@ -51,9 +51,9 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition) {
     ours.panel = g;
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const auto y = static_cast<double>(m);
-      if (const SummaryCell* c = find_cell(s, methods[m], condition, groups[g], alignment))
-        ours.points.push_back({c->mae_m * kCentimetresPerMetre, y, c->mae_low_m * kCentimetresPerMetre,
-                               c->mae_high_m * kCentimetresPerMetre});
+      if (const Number* e = find_error(s, methods[m], condition, groups[g], alignment))
+        ours.points.push_back({e->value * kCentimetresPerMetre, y, e->low * kCentimetresPerMetre,
+                               e->high * kCentimetresPerMetre});
     }
     figure.series.push_back(std::move(ours));
     figure.panels.push_back(groups[g]);
@@ -61,11 +61,14 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition) {
   return figure;
 }
 
-const FamilyCell* find_family(const ResultsSummary& s, const std::string& family,
-                              const std::string& condition) {
-  for (const FamilyCell& cell : s.family_cells)
-    if (cell.family == family && cell.condition == condition) return &cell;
-  return nullptr;
+// Error over a family's sets of sensors, on average over the joint groups.
+const Number* find_family(const ResultsSummary& s, const std::string& family, const std::string& condition) {
+  return s.numbers.find({.condition = condition,
+                         .group = kAverageGroup,
+                         .method = family,
+                         .alignment = s.alignments.front(),
+                         .measure = "distance",
+                         .statistic = "mean_of_sets"});
 }
 
 // Families named "METHOD, N sensors": error against N.
@@ -74,17 +77,17 @@ std::vector<Figure> sensor_counts_figures(const ResultsSummary& s) {
   for (const std::string& condition : s.conditions) {
     Figure figure;
     for (const MethodFamily& family : s.families) {
-      const FamilyCell* c = find_family(s, family.name, condition);
+      const Number* e = find_family(s, family.name, condition);
       const std::string end = fmt::format(", {} sensors", family.sensors);
-      if (!c || !family.name.ends_with(end)) continue;
+      if (!e || !family.name.ends_with(end)) continue;
       const std::string method = family.name.substr(0, family.name.size() - end.size());
       auto series = std::ranges::find_if(figure.series,
                                          [&](const FigureSeries& other) { return other.name == method; });
       if (series == figure.series.end())
         series = figure.series.insert(figure.series.end(),
                                       {method, FigureSeries::Style::line_and_dots, {}, {}, method});
-      series->points.push_back({static_cast<double>(family.sensors), c->mae_m * kCentimetresPerMetre,
-                                c->low_m * kCentimetresPerMetre, c->high_m * kCentimetresPerMetre});
+      series->points.push_back({static_cast<double>(family.sensors), e->value * kCentimetresPerMetre,
+                                e->low * kCentimetresPerMetre, e->high * kCentimetresPerMetre});
     }
     if (figure.series.empty()) continue;
     figure.id = usable_id(fmt::format("sensors-{}", condition));

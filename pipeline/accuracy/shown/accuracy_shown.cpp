@@ -19,26 +19,25 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   const bool relative = std::ranges::find(s.alignments, "mean") != s.alignments.end();
   const std::string alignment = relative ? "mean" : s.alignments.front();
   const std::string group = average_group(s);
-  const auto cell = [&](const std::string& method) {
-    const SummaryCell* found = find_cell(s, method, kCondition, group, alignment);
-    return found && std::isfinite(found->mae_m) ? found : nullptr;
+  const auto error = [&](const std::string& method) {
+    return find_error(s, method, kCondition, group, alignment);
   };
-  if (!cell("nonlinear")) return {};
+  if (!error("nonlinear")) return {};
   std::vector<std::string> answers;
-  if (cell("mean") && s.reference == "nonlinear")
+  if (error("mean") && s.reference == "nonlinear")
     if (const std::string against = difference_text(s, kCondition, alignment, "mean"); !against.empty()) {
-      const DifferenceCell* d = find_difference(s, "mean", kCondition, group, alignment);
-      answers.push_back(!d->significant()
+      const Number* d = find_difference(s, "mean", kCondition, group, alignment);
+      answers.push_back(!is_significant(*d)
                             ? "**Undecided**: the plain mean of the same sensors is " + against + "."
                             : fmt::format("**{}**: the plain mean of the same sensors errs {}.",
-                                          d->difference_m < 0.0 ? "No" : "Yes", against));
+                                          d->value < 0.0 ? "No" : "Yes", against));
     }
   const PrintedTable3 paper = printed_table3();
   const std::vector<std::string> groups = groups_in(s, kCondition);
   std::string ours, printed;
   for (const char* method : {"nonlinear", "linear", "geometric"})
-    if (const SummaryCell* c = cell(method)) {
-      ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_text(*c));
+    if (const Number* e = error(method)) {
+      ours += fmt::format("{}`{}` {}", ours.empty() ? "" : ", ", method, error_text(*e));
       if (const double cm = printed_cm(paper, groups, group, method); std::isfinite(cm))
         printed += fmt::format("{}{:.1f}", printed.empty() ? "" : ", ", cm);
     }
@@ -48,9 +47,9 @@ std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
   std::string better;
   std::vector<std::string> methods = by_error(s, kCondition, leading_methods(s, kCondition));
   for (const std::string& method : methods) {
-    const DifferenceCell* d = find_difference(s, method, kCondition, group, alignment);
-    if (!d || !d->significant() || d->difference_m > 0.0 || method.starts_with("single")) continue;
-    better += fmt::format("{}`{}` {}", better.empty() ? "" : ", ", method, error_text(*cell(method)));
+    const Number* d = find_difference(s, method, kCondition, group, alignment);
+    if (!d || !is_significant(*d) || d->value > 0.0 || method.starts_with("single")) continue;
+    better += fmt::format("{}`{}` {}", better.empty() ? "" : ", ", method, error_text(*error(method)));
   }
   if (!better.empty()) answers.push_back("Methods that err less: " + better + ".");
   answers.push_back(

@@ -10,7 +10,6 @@
 #include "datasets/results/table.h"
 #include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/tracking_summary.h"
-#include "pipeline/errors/condition_errors.h"
 
 namespace trilat {
 
@@ -63,8 +62,9 @@ std::vector<Table> apart_tables(const ResultsSummary& summary);
 
 // Bias and 95 % limits of agreement by method, joint group and axis, under the alignments none and mean: a
 // table a condition.
-Table agreement_table(const StudyErrors& errors, const std::string& condition, std::size_t alignment);
-std::vector<Table> agreement_tables(const StudyErrors& errors);
+Table agreement_table(const ResultsSummary& summary, const std::string& condition,
+                      const std::string& alignment);
+std::vector<Table> agreement_tables(const ResultsSummary& summary);
 
 // Joint angles by method, with ranges of motion and limits of agreement, and the figure of Bland and Altman;
 // a table and a figure a condition whose takes have angles.

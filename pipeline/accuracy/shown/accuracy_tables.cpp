@@ -1,142 +1,296 @@
 // SPDX-License-Identifier: MIT
+// Tables of an accuracy study: pivots of its numbers.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "datasets/base/units.h"
+#include "evaluators/solvers/point_estimate.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
+#include "pipeline/accuracy/shown/number_cells.h"
 
 namespace trilat {
 namespace {
 
+using Row = NumberKey;
+using Column = RowColumn<NumberKey>;
+
+const NumberKey kMean{.measure = "distance", .statistic = "mean"};
+const NumberKey kAnswered{.measure = "answered", .statistic = "share"};
+
+bool has(const std::vector<std::string>& list, const std::string& name) {
+  return std::ranges::find(list, name) != list.end();
+}
+
+NumberKey statistic(const char* name) { return {.measure = "distance", .statistic = name}; }
+
+std::string id_of(const char* kind, const std::string& condition, const std::string& alignment) {
+  return usable_id(fmt::format("{}-{}{}", kind, condition.empty() ? "" : condition + "-", alignment));
+}
+
+// Rows by joint group and method, of which anything is asked.
+std::vector<Row> rows_of(const ResultsSummary& s, const std::string& condition,
+                         const std::string& alignment) {
+  std::vector<Row> rows;
+  for (const std::string& group : groups_in(s, condition))
+    for (const std::string& method : s.methods)
+      if (find_coverage(s, method, condition, group, alignment))
+        rows.push_back({.condition = condition, .group = group, .method = method, .alignment = alignment});
+  return rows;
+}
+
+// "converged 98.1 %, diverged 1.9 %".
+std::string statuses_of(const Numbers& numbers, const Row& row) {
+  std::map<std::string, std::uint64_t> statuses;
+  for (int s = 0; s < kSolveStatusCount; ++s) {
+    const std::string name(name_of(static_cast<SolveStatus>(s)));
+    if (const std::uint64_t n = numbers.n(row.with({.measure = "status", .statistic = name})); n > 0)
+      statuses[name] = n;
+  }
+  return statuses_text(statuses, numbers.n(row.with(kAnswered)));
+}
+
 Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  using R = SummaryCell;
-  const auto axis_m = [](std::size_t axis) { return [=](const R& r) { return r.axis_mae_m[axis]; }; };
-  Table table = table_of<R>(
-      usable_id(fmt::format("accuracy-{}{}", condition.empty() ? "" : condition + "-", alignment)),
-      fmt::format("Position error by joint group and method ({})", about(s, condition, alignment)), s.cells,
-      {{"joint", "joint", as_text(&R::group)},
-       {"method", "method", as_text(&R::method)},
-       {"n", "n", as_count(&R::answered)},
-       {"coverage (%)", "coverage_percent", in_percent(&R::coverage)},
-       {"MAE (cm)", "mae_cm", in_cm(&R::mae_m, &R::mae_low_m, &R::mae_high_m)},
-       {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
-       {"median (cm)", "median_cm", in_cm(&R::median_m)},
-       {"p90 (cm)", "p90_cm", in_cm(&R::p90_m)},
-       {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},
-       {"max (cm)", "max_cm", in_cm(&R::max_m)},
-       {"MAE x (cm)", "mae_x_cm", in_cm(axis_m(0))},
-       {"MAE y (cm)", "mae_y_cm", in_cm(axis_m(1))},
-       {"MAE z (cm)", "mae_z_cm", in_cm(axis_m(2))},
-       {"iterations", "iterations", as_number(1, &R::mean_iterations)},
-       {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}},
-      [&](const R& r) { return r.condition == condition && r.alignment == alignment; });
+  const Numbers& numbers = s.numbers;
+  std::vector<Column> columns{{"joint", "joint", as_text(&Row::group)},
+                              {"method", "method", as_text(&Row::method)},
+                              {"n", "n", count_of(numbers, kMean)},
+                              {"coverage (%)", "coverage_percent", value_of(numbers, kAnswered, 1)},
+                              {"MAE (cm)", "mae_cm", interval_of(numbers, kMean)},
+                              {"RMSE (cm)", "rmse_cm", value_of(numbers, statistic("rms"))},
+                              {"median (cm)", "median_cm", value_of(numbers, statistic("median"))},
+                              {"p90 (cm)", "p90_cm", value_of(numbers, statistic("p90"))},
+                              {"p95 (cm)", "p95_cm", value_of(numbers, statistic("p95"))},
+                              {"max (cm)", "max_cm", value_of(numbers, statistic("max"))}};
+  for (const std::string axis : kAxisNames)
+    columns.push_back({"MAE " + axis + " (cm)", "mae_" + axis + "_cm",
+                       value_of(numbers, {.measure = axis, .statistic = "mean_abs"})});
+  columns.push_back(
+      {"iterations", "iterations", value_of(numbers, {.measure = "iterations", .statistic = "mean"}, 1)});
+  columns.push_back(
+      {"statuses", "statuses", as_text([&](const Row& row) { return statuses_of(numbers, row); })});
+  Table table = table_of<Row>(
+      id_of("accuracy", condition, alignment),
+      fmt::format("Position error by joint group and method ({})", about(s, condition, alignment)),
+      rows_of(s, condition, alignment), columns);
   add_error_notes(s, condition, alignment, "accuracy", table);
+  return table;
+}
+
+std::string verdict_of(const ResultsSummary& s, const Row& row) {
+  const Number* difference = find_difference(s, row.method, row.condition, row.group, row.alignment);
+  if (!difference || std::isnan(difference->low)) return "–";
+  if (!is_significant(*difference)) return "no";
+  std::string verdict = difference->value < 0.0 ? "better" : "worse";
+  const double coverage = coverage_of(s, row.method, row.condition, row.group, row.alignment);
+  if (coverage < kLeastCoverage) verdict += fmt::format(", where it answers ({:.0f} %)", 100.0 * coverage);
+  return verdict;
+}
+
+TableValue error_cell(const ResultsSummary& s, const Row& row) {
+  TableValue value = shown_number(s.numbers, row.with(kMean), 1);
+  if (const BestMethod* best = find_best(s, row.condition, row.group);
+      best && row.alignment == s.alignments.front())
+    value.mark = best->method == row.method         ? TableValue::Mark::best
+                 : has(best->like_best, row.method) ? TableValue::Mark::like_best
+                                                    : TableValue::Mark::none;
+  return value;
+}
+
+// The share of the instants that a method answers, over all joint groups.
+double answered_share(const ResultsSummary& s, const std::string& condition, const std::string& method) {
+  const std::vector<std::string> groups = groups_in(s, condition);  // their average is the last
+  return groups.empty() ? kNoNumber : coverage_of(s, method, condition, groups.back(), s.alignments.front());
+}
+
+Table article_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
+  std::vector<std::string> methods = leading_methods(s, condition);
+  const std::size_t leading = methods.size();
+  for (const std::string& method : by_error(s, condition, s.methods))
+    if (!has(methods, method)) methods.push_back(method);
+  std::vector<Row> rows;
+  for (const std::string& method : methods)
+    rows.push_back({.condition = condition, .method = method, .alignment = alignment});
+  std::vector<Column> columns{
+      {"method", "method", as_text([&](const Row& row) { return row_name(s, row.method); })}};
+  for (const std::string& group : groups_in(s, condition))
+    columns.push_back(
+        {group, group + "_mae_cm",
+         CellOf{[&s, group](const Row& row) { return error_cell(s, row.with({.group = group})); }, false,
+                true}});
+  if (std::ranges::any_of(
+          methods, [&](const std::string& method) { return answered_share(s, condition, method) < kWhole; }))
+    columns.push_back({"answered (%)", "answered_percent",
+                       in_percent([&](const Row& row) { return answered_share(s, condition, row.method); })});
+  Table table = table_of<Row>(usable_id("errors-" + (condition.empty() ? "all" : condition)),
+                              fmt::format("Mean error in cm by joint and method, with its 95 % interval ({})",
+                                          about(s, condition, alignment)),
+                              rows, columns);
+  table.first_rows = leading;
+  add_error_notes(s, condition, alignment, "best_in_bold", table);
   return table;
 }
 
 }  // namespace
 
-std::vector<Table> accuracy_tables(const ResultsSummary& summary) {
+TableValue shown_number(const Numbers& numbers, const NumberKey& key, int decimals) {
+  const Number* number = numbers.find(key);
+  const std::string unit = unit_of(key);
+  const double factor = unit == "m"     ? kCentimetresPerMetre
+                        : unit == "1"   ? 100.0
+                        : unit == "rad" ? kDegreesPerRad
+                                        : 1.0;
+  if (!number) return number_cell(decimals, kNoNumber);
+  return number_cell(decimals, factor * number->value, factor * number->low, factor * number->high);
+}
+
+Table differences_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
+  const Numbers& numbers = s.numbers;
+  std::vector<Row> rows;
+  for (const std::string& method : s.methods)
+    for (const std::string& group : groups_in(s, condition))
+      if (method != s.reference)
+        rows.push_back({.condition = condition,
+                        .group = group,
+                        .method = method,
+                        .against = s.reference,
+                        .alignment = alignment});
+  const NumberKey relative = statistic("relative_difference");
+  const auto share_of_method = [&](const Row& row) {
+    const double share = numbers.value(row.with(relative));
+    const double of_method = 100.0 * share / (1.0 + share);
+    return std::isfinite(of_method) ? of_method : kNoNumber;
+  };
+  Table table = table_of<Row>(
+      id_of("differences", condition, alignment),
+      fmt::format("Mean absolute error, method less \"{}\", over the samples that both answered ({})",
+                  s.reference, about(s, condition, alignment)),
+      rows,
+      {{"joint", "joint", as_text(&Row::group)},
+       {"method", "method", as_text(&Row::method)},
+       {"n", "n", count_of(numbers, statistic("difference"))},
+       {"difference (cm)", "difference_cm", interval_of(numbers, statistic("difference"))},
+       {fmt::format("% of {}", s.reference), "percent_of_reference", interval_of(numbers, relative, 1)},
+       {"% of method", "percent_of_method", as_number(1, share_of_method)},
+       {"differs", "differs", as_text([&](const Row& row) { return verdict_of(s, row); })}});
+  add_notes(table, "differences", {{"reference", s.reference}});
+  table.notes.push_back(interval_note(s));
+  return table;
+}
+
+Table bodies_table(const ResultsSummary& s, const std::string& condition) {
+  const Numbers& numbers = s.numbers;
+  const std::string alignment = body_alignment(s);
+  const NumberKey jerk{.measure = "jerk", .statistic = "mean"}, bone{.measure = "bone", .statistic = "sd"};
+  const auto within = [&](const char* radius) {
+    return value_of(numbers, {.alignment = alignment, .measure = "within", .statistic = radius}, 1);
+  };
+  std::vector<Row> rows;
+  std::uint64_t bones = 0;
+  for (const std::string& method : s.methods) {
+    const Row row{.condition = condition, .method = method};
+    bones = std::max(bones, numbers.n(row.with(bone)));
+    if (numbers.find(row.with({.alignment = alignment, .measure = "within", .statistic = "5_cm"})))
+      rows.push_back(row);
+  }
+  Table table = table_of<Row>(
+      usable_id("bodies-" + condition),
+      fmt::format("Whole bodies by method ({})", about(s, condition, alignment)), rows,
+      {{"method", "method", as_text(&Row::method)},
+       {"instants", "instants",
+        count_of(numbers, {.alignment = alignment, .measure = "mpjpe", .statistic = "mean"})},
+       {"MPJPE (cm)", "mpjpe_cm",
+        interval_of(numbers, {.alignment = alignment, .measure = "mpjpe", .statistic = "mean"})},
+       {"PA-MPJPE (cm)", "pa_mpjpe_cm", interval_of(numbers, {.measure = "pa_mpjpe", .statistic = "mean"})},
+       {"PCK 5 cm (%)", "pck_5cm_percent", within("5_cm")},
+       {"10 cm (%)", "pck_10cm_percent", within("10_cm")},
+       {"15 cm (%)", "pck_15cm_percent", within("15_cm")},
+       {"bones (cm)", "bone_length_sd_cm", value_of(numbers, bone)},
+       {"jitter (m/s³)", "jitter_m_s3", value_of(numbers, jerk, 0)}});
+  const double truth_m_s3 =
+      numbers.value({.condition = condition, .measure = "jerk", .statistic = "mean_of_truth"});
+  add_notes(
+      table, "bodies",
+      {{"bones", std::to_string(bones)},
+       {"truth",
+        std::isfinite(truth_m_s3) ? fmt::format("; that of the truth is {:.0f} m/s³", truth_m_s3) : ""}});
+  table.notes.push_back(interval_note(s));
+  return table;
+}
+
+Table agreement_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
+  const Numbers& numbers = s.numbers;
+  std::vector<Row> rows;
+  for (const std::string& method : s.methods)
+    for (const std::string& group : groups_in(s, condition))
+      for (const char* axis : kAxisNames)
+        if (group != kAverageGroup)
+          rows.push_back({.condition = condition,
+                          .group = group,
+                          .method = method,
+                          .alignment = alignment,
+                          .measure = axis});
+  Table table = table_of<Row>(
+      id_of("agreement", condition, alignment),
+      fmt::format("Agreement with the truth by axis: bias and 95 % limits ({}, {}, {}; alignment: {})",
+                  s.campaign, condition, s.simulated ? "simulated sensors" : "recorded", alignment),
+      rows,
+      {{"method", "method", as_text(&Row::method)},
+       {"joint group", "group", as_text(&Row::group)},
+       {"axis", "axis", as_text(&Row::measure)},
+       {"bias (cm)", "bias_cm", interval_of(numbers, {.statistic = "bias"}, 1)},
+       {"lower limit (cm)", "lower_limit_cm", interval_of(numbers, {.statistic = "lower_limit"}, 1)},
+       {"upper limit (cm)", "upper_limit_cm", interval_of(numbers, {.statistic = "upper_limit"}, 1)},
+       {"sd of a difference (cm)", "sd_cm", value_of(numbers, {.statistic = "sd"}, 1)}});
+  table.notes = {
+      fmt::format("Estimate minus truth along the world's axes. Limits hold 95 % of single differences "
+                  "(Bland and Altman 1999, repeated measurements); repeated are those of {}.",
+                  s.clusters.at(condition))};
+  return table;
+}
+
+std::vector<Table> agreement_tables(const ResultsSummary& s) {
+  std::vector<Table> tables;
+  for (const std::string& condition : s.conditions)
+    for (const std::string& alignment : s.alignments)
+      if (alignment == "none" || alignment == "mean")
+        tables.push_back(agreement_table(s, condition, alignment));
+  return tables;
+}
+
+std::vector<Table> accuracy_tables(const ResultsSummary& s) {
   std::vector<Table> tables;
   const auto add = [&](Table table) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   };
-  for (const std::string& condition : summary.conditions) {
-    for (const std::string& alignment : summary.alignments) {
-      add(detail_table(summary, condition, alignment));
-      add(differences_table(summary, condition, alignment));
+  for (const std::string& condition : s.conditions) {
+    for (const std::string& alignment : s.alignments) {
+      add(detail_table(s, condition, alignment));
+      add(differences_table(s, condition, alignment));
     }
-    add(bodies_table(summary, condition));
+    add(bodies_table(s, condition));
   }
   return tables;
 }
 
-namespace {
-
-// Each single sensor is a row of the other tables.
-bool is_of_sets(const MethodFamily& family) { return family.sensors > 1; }
-
-// The paper's own rows stay apart, since its numbers stand beside them.
-bool has_printed_row(const std::string& method) {
-  return method == "linear" || method == "geometric" || method == "nonlinear";
+bool is_like_the_papers(const ResultsSummary& s, const std::string& condition) {
+  return condition == "walking" && !s.left_out() && s.alignments.front() == "mean";
 }
 
-bool answer_alike(const ResultsSummary& s, const std::string& a, const std::string& b) {
-  bool any = false;
-  for (const SummaryCell& cell : s.cells) {
-    if (cell.method != a) continue;
-    const SummaryCell* other = find_cell(s, b, cell.condition, cell.group, cell.alignment);
-    if (!other || other->asked != cell.asked || other->answered != cell.answered ||
-        (other->mae_m != cell.mae_m && cell.answered > 0))
-      return false;
-    any |= cell.answered > 0;
+std::vector<Table> article_tables(const ResultsSummary& s) {
+  std::vector<Table> tables;
+  for (const std::string& condition : s.conditions) {
+    Table table = article_table(s, condition, s.alignments.front());
+    if (table.columns.size() < 2) continue;
+    if (is_like_the_papers(s, condition)) table.printed = "table3";
+    tables.push_back(std::move(table));
   }
-  return any;
-}
-
-void drop_method(ResultsSummary& s, const std::string& method) {
-  const auto is_its = [&](const auto& entry) { return entry.method == method; };
-  std::erase(s.methods, method);
-  std::erase_if(s.legend, is_its);
-  std::erase_if(s.cells, is_its);
-  std::erase_if(s.differences, is_its);
-  std::erase_if(s.bodies, is_its);
-  for (BestMethod& best : s.best) std::erase(best.like_best, method);
-}
-
-// A method that answers as an earlier one does shares its row.
-void join_alike(ResultsSummary& s) {
-  for (std::size_t m = 0; m < s.methods.size(); ++m) {
-    const std::string method = s.methods[m];
-    const auto note = std::ranges::find(s.legend, method, &MethodNote::method);
-    if (has_printed_row(method) || note == s.legend.end()) continue;
-    MethodNote joined = *note;
-    const std::vector<std::string> later(s.methods.begin() + static_cast<std::ptrdiff_t>(m) + 1,
-                                         s.methods.end());
-    for (const std::string& other : later) {
-      if (has_printed_row(other) || other == s.reference || !answer_alike(s, method, other)) continue;
-      for (BestMethod& best : s.best)
-        if (best.method == other) {
-          best.method = method;
-          std::erase(best.like_best, method);
-        }
-      for (const MethodNote& of_other : s.legend)
-        if (of_other.method == other) joined.is_brought |= of_other.is_brought;
-      drop_method(s, other);
-      joined.alike.push_back(other);
-    }
-    *std::ranges::find(s.legend, method, &MethodNote::method) = joined;
-  }
-}
-
-}  // namespace
-
-std::string row_name(const ResultsSummary& s, const std::string& method) {
-  const auto note = std::ranges::find(s.legend, method, &MethodNote::method);
-  std::string name = method;
-  if (note != s.legend.end())
-    for (const std::string& other : note->alike) name += " = " + other;
-  return name;
-}
-
-ResultsSummary shown_summary(ResultsSummary s) {
-  std::set<std::string> members;
-  for (const MethodFamily& family : s.families)
-    if (is_of_sets(family) && family.methods.size() > 1)
-      members.insert(family.methods.begin(), family.methods.end());
-  members.erase(s.reference);
-  std::erase_if(s.methods, [&](const std::string& name) { return members.contains(name); });
-  const auto is_member = [&](const auto& entry) { return members.contains(entry.method); };
-  std::erase_if(s.cells, is_member);
-  std::erase_if(s.differences, is_member);
-  std::erase_if(s.bodies, is_member);
-  join_alike(s);
-  return s;
+  return tables;
 }
 
 }  // namespace trilat

@@ -10,6 +10,7 @@
 
 #include "datasets/base/units.h"
 #include "datasets/results/stored_take.h"
+#include "evaluators/solvers/point_estimate.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 
 namespace trilat {
@@ -45,23 +46,23 @@ namespace {
 void add_coverage_note(const ResultsSummary& s, const std::string& condition, const std::string& alignment,
                        Table& table) {
   std::string methods;
+  const std::vector<std::string> groups = groups_in(s, condition);
+  if (groups.empty()) return;
   for (const std::string& method : s.methods) {
-    SummaryCell all;
-    for (const SummaryCell& c : s.cells) {
-      if (c.method != method || c.condition != condition || c.alignment != alignment ||
-          c.group == kAverageGroup)
-        continue;
-      all.asked += c.asked;
-      all.answered += c.answered;
-      for (const auto& [status, n] : c.statuses)
-        if (!is_answer(status)) all.statuses[status] += n;
+    const Number* coverage = find_coverage(s, method, condition, groups.back(), alignment);
+    if (!coverage || !(coverage->value < kLeastCoverage)) continue;
+    std::string reason;
+    double share = 0.0;
+    for (int k = 0; k < kSolveStatusCount; ++k) {
+      const std::string status(name_of(static_cast<SolveStatus>(k)));
+      const Number* ended = s.numbers.find(coverage->with({.measure = "status", .statistic = status}));
+      if (!ended || is_answer(status) || ended->value <= share) continue;
+      reason = status;
+      share = ended->value;
     }
-    if (!(all.coverage() < kLeastCoverage) || all.statuses.empty()) continue;
-    const auto reason = std::ranges::max_element(
-        all.statuses, [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (reason.empty()) continue;
     methods += fmt::format("{}{} {:.0f} % ({} {:.0f} %)", methods.empty() ? "" : ", ", method,
-                           100.0 * all.coverage(), reason->first,
-                           100.0 * static_cast<double>(reason->second) / static_cast<double>(all.asked));
+                           100.0 * coverage->value, reason, 100.0 * share);
   }
   if (!methods.empty())
     table.notes.push_back(
@@ -97,23 +98,29 @@ void add_take_notes(const ResultsSummary& summary, Table& table) {
         sentence_of(note));
 }
 
-std::string error_text(const SummaryCell& c) {
-  std::string text = fmt::format("{:.1f} cm", c.mae_m * kCentimetresPerMetre);
-  if (!std::isnan(c.mae_low_m))
-    text += fmt::format(" ({:.1f} to {:.1f})", c.mae_low_m * kCentimetresPerMetre,
-                        c.mae_high_m * kCentimetresPerMetre);
+std::string error_text(const Number& error) {
+  std::string text = fmt::format("{:.1f} cm", error.value * kCentimetresPerMetre);
+  if (!std::isnan(error.low))
+    text += fmt::format(" ({:.1f} to {:.1f})", error.low * kCentimetresPerMetre,
+                        error.high * kCentimetresPerMetre);
   return text;
+}
+
+std::string body_alignment(const ResultsSummary& s) {
+  return std::ranges::find(s.alignments, "none") != s.alignments.end() ? "none" : s.alignments.front();
 }
 
 std::string difference_text(const ResultsSummary& s, const std::string& condition,
                             const std::string& alignment, const std::string& method) {
-  const DifferenceCell* d = find_difference(s, method, condition, average_group(s), alignment);
-  if (!d || std::isnan(d->percent_low)) return {};
-  if (!d->significant()) return fmt::format("not to be distinguished from `{}`", s.reference);
-  return fmt::format("{:.0f} % ({:.0f} to {:.0f}) {} than `{}`", std::abs(d->percent_of_reference),
-                     std::min(std::abs(d->percent_low), std::abs(d->percent_high)),
-                     std::max(std::abs(d->percent_low), std::abs(d->percent_high)),
-                     d->percent_of_reference < 0.0 ? "less" : "more", s.reference);
+  const std::string group = average_group(s);
+  const Number *d = find_difference(s, method, condition, group, alignment),
+               *share = find_difference(s, method, condition, group, alignment, "relative_difference");
+  if (!d || !share || std::isnan(share->low)) return {};
+  if (!is_significant(*d)) return fmt::format("not to be distinguished from `{}`", s.reference);
+  return fmt::format("{:.0f} % ({:.0f} to {:.0f}) {} than `{}`", 100.0 * std::abs(share->value),
+                     100.0 * std::min(std::abs(share->low), std::abs(share->high)),
+                     100.0 * std::max(std::abs(share->low), std::abs(share->high)),
+                     share->value < 0.0 ? "less" : "more", s.reference);
 }
 
 std::vector<std::string> method_legend(const ResultsSummary& s) {
@@ -134,11 +141,11 @@ std::string brought_text(const ResultsSummary& s, const std::string& condition, 
   const std::vector<std::string> ranked = by_error(s, condition, s.methods);
   std::string text;
   for (const MethodNote& note : s.legend) {
-    const SummaryCell* cell = find_cell(s, note.method, condition, average_group(s), s.alignments.front());
-    if (!note.is_brought || note.method == best || !cell || cell->answered == 0) continue;
+    const Number* error = find_error(s, note.method, condition, average_group(s), s.alignments.front());
+    if (!note.is_brought || note.method == best || !error) continue;
     const auto rank = std::ranges::find(ranked, note.method) - ranked.begin() + 1;
     text += fmt::format("{}`{}` {}, {} of {}", text.empty() ? " From files: " : "; ", note.method,
-                        error_text(*cell), rank, ranked.size());
+                        error_text(*error), rank, ranked.size());
   }
   return text.empty() ? text : text + ".";
 }
@@ -168,25 +175,29 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
   std::vector<std::string> findings;
   for (const std::string& condition : s.conditions) {
     const BestMethod* best = find_best(s, condition, average_group(s));
-    const bool is_answered = std::ranges::any_of(
-        s.cells, [&](const SummaryCell& c) { return c.condition == condition && c.answered > 0; });
+    const std::vector<std::string> groups = groups_in(s, condition);
+    const bool is_answered = std::ranges::any_of(s.methods, [&](const std::string& method) {
+      return !groups.empty() && coverage_of(s, method, condition, groups.back(), s.alignments.front()) > 0.0;
+    });
     if (!best && s.methods.size() > 1 && is_answered)
       findings.push_back(fmt::format("**{}**, {}: too short for an interval, so no method is called best.",
                                      condition, s.simulated ? "simulated" : "recorded"));
-    const SummaryCell* cell =
-        best ? find_cell(s, best->method, condition, average_group(s), s.alignments.front()) : nullptr;
-    if (!cell) continue;
+    const std::string& alignment = s.alignments.front();
+    const Number* error =
+        best ? find_error(s, best->method, condition, average_group(s), alignment) : nullptr;
+    if (!error) continue;
     std::string text = fmt::format("**{}**, {}: `{}` has the smallest {} of {} methods, {}", condition,
                                    s.simulated ? "simulated" : "recorded", best->method,
                                    s.left_out() ? "difference from the sensor left out" : "error",
-                                   s.methods.size(), error_text(*cell));
+                                   s.methods.size(), error_text(*error));
     if (s.methods.size() == 1)
       text = fmt::format("**{}**, {}: `{}` has a mean {} of {}", condition,
                          s.simulated ? "simulated" : "recorded", best->method,
-                         s.left_out() ? "difference from the sensor left out" : "error", error_text(*cell));
-    if (cell->coverage() < kWhole)
-      text += fmt::format(" on the {:.1f} % that it answers", 100.0 * cell->coverage());
-    if (const std::string against = difference_text(s, condition, s.alignments.front(), best->method);
+                         s.left_out() ? "difference from the sensor left out" : "error", error_text(*error));
+    if (const double coverage = coverage_of(s, best->method, condition, average_group(s), alignment);
+        coverage < kWhole)
+      text += fmt::format(" on the {:.1f} % that it answers", 100.0 * coverage);
+    if (const std::string against = difference_text(s, condition, alignment, best->method);
         !against.empty() && std::ranges::find(best->like_best, s.reference) == best->like_best.end())
       text += ", " + against;
     text += alike_text(s, best->like_best);
@@ -224,12 +235,12 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
   for (const std::string& condition : s.conditions)
     for (const std::string& method : leading_methods(s, condition)) {
       const std::string where = condition.empty() ? "" : " in " + condition;
-      const SummaryCell* c = find_cell(s, method, condition, average_group(s), s.alignments.front());
-      if (c && c->coverage() < kLeastCoverage)
-        warnings.push_back(c->answered == 0
+      const double coverage = coverage_of(s, method, condition, average_group(s), s.alignments.front());
+      if (coverage < kLeastCoverage)
+        warnings.push_back(coverage == 0.0
                                ? fmt::format("`{}` answers nothing{}.", method, where)
                                : fmt::format("`{}` answers only {:.0f} %{}: its error is of these alone.",
-                                             method, 100.0 * c->coverage(), where));
+                                             method, 100.0 * coverage, where));
     }
   return warnings;
 }

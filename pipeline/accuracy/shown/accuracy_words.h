@@ -31,11 +31,14 @@ void add_error_notes(const ResultsSummary& summary, const std::string& condition
 void add_take_notes(const ResultsSummary& summary, Table& table);
 
 // "4.9 cm (4.7 to 5.1)", without brackets where there is no interval.
-std::string error_text(const SummaryCell& cell);
+std::string error_text(const Number& error);
 // "57 % (47 to 67) less than `nonlinear`" of the average, or that both cannot be distinguished; empty for the
 // reference itself and where there is no interval.
 std::string difference_text(const ResultsSummary& summary, const std::string& condition,
                             const std::string& alignment, const std::string& method);
+
+// The alignment that whole bodies are measured under: none where the study has it, else its first.
+std::string body_alignment(const ResultsSummary& summary);
 
 // One line a method that the first tables show: `name` and what it does.
 std::vector<std::string> method_legend(const ResultsSummary& summary);

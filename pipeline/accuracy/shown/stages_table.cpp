@@ -14,18 +14,16 @@ namespace trilat {
 namespace {
 
 // The errors of one condition alone, under a name that all stages share.
-ResultsSummary of_condition(ResultsSummary s, const std::string& condition) {
-  const auto is_another = [&](const auto& row) { return row.condition != condition; };
-  std::erase_if(s.by_take, is_another);
-  for (TakeJointRow& row : s.by_take) row.condition.clear();
-  s.conditions = {""};
-  return s;
+ErrorsByJoint of_condition(ErrorsByJoint errors, const std::string& condition) {
+  std::erase_if(errors.rows, [&](const TakeJointRow& row) { return row.condition != condition; });
+  for (TakeJointRow& row : errors.rows) row.condition.clear();
+  errors.conditions = {""};
+  return errors;
 }
 
-// Change of a method's average from one condition to another.
-TableValue change_cell(const ResultsSummary& s, const std::string& from, const std::string& to,
+// Change of a method's average.
+TableValue change_cell(const ResultsSummary& s, const std::optional<ErrorChanges>& changes,
                        const std::string& method) {
-  const auto changes = changes_between(of_condition(s, from), of_condition(s, to));
   if (!changes) return no_cell();
   for (const ErrorChange& row : changes->rows)
     if (row.group == average_group(s) && row.method == method)
@@ -52,9 +50,19 @@ std::vector<StagesOf> activities_of(const ResultsSummary& s, const std::vector<s
   return activities;
 }
 
-const SummaryCell* average_cell(const ResultsSummary& s, const std::string& method,
-                                const std::string& condition) {
-  return find_cell(s, method, condition, average_group(s), s.alignments.front());
+const Number* average_error(const ResultsSummary& s, const std::string& method,
+                            const std::string& condition) {
+  return find_error(s, method, condition, average_group(s), s.alignments.front());
+}
+
+// By stage, the changes from the one before; of the first none.
+std::vector<std::optional<ErrorChanges>> changes_of(const ResultsSummary& s, const StagesOf& of) {
+  const ErrorsByJoint all = errors_by_joint(s);
+  std::vector<std::optional<ErrorChanges>> changes(1);
+  for (std::size_t i = 1; i < of.conditions.size(); ++i)
+    changes.push_back(
+        changes_between(of_condition(all, of.conditions[i - 1]), of_condition(all, of.conditions[i])));
+  return changes;
 }
 
 Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vector<std::string>& stages) {
@@ -69,16 +77,18 @@ Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vecto
                    interval_column("change (cm)", "change_cm"),
                    interval_column("error (cm)", "mae_cm"),
                    {"answered (%)", "answered_percent"}};
+  const auto changes = changes_of(s, of);
   for (const std::string& method : s.methods)
     for (std::size_t i = 0; i < stages.size(); ++i) {
-      const SummaryCell* cell = average_cell(s, method, of.conditions[i]);
+      const Number* error = average_error(s, method, of.conditions[i]);
+      const double answered =
+          coverage_of(s, method, of.conditions[i], average_group(s), s.alignments.front());
       table.rows.push_back(
-          {TableValue::of(method), TableValue::of(stages[i]),
-           i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], method) : no_cell(),
-           cell ? number_cell(1, cell->mae_m * kCentimetresPerMetre, cell->mae_low_m * kCentimetresPerMetre,
-                              cell->mae_high_m * kCentimetresPerMetre)
-                : no_cell(),
-           cell ? percent_cell(cell->coverage()) : no_cell()});
+          {TableValue::of(method), TableValue::of(stages[i]), change_cell(s, changes[i], method),
+           error ? number_cell(1, error->value * kCentimetresPerMetre, error->low * kCentimetresPerMetre,
+                               error->high * kCentimetresPerMetre)
+                 : no_cell(),
+           std::isfinite(answered) ? percent_cell(answered) : no_cell()});
     }
   add_notes(table, "stages");
   table.notes.push_back(interval_note(s));
@@ -100,10 +110,9 @@ Figure stages_figure(const ResultsSummary& s, const StagesOf& of, const std::vec
     FigureSeries series{method, FigureSeries::Style::dots, {}, {}, method};
     if (method.find(',') != std::string::npos) series.method.clear();  // the colour of its kind is another's
     for (std::size_t i = 0; i < stages.size(); ++i)
-      if (const SummaryCell* cell = average_cell(s, method, of.conditions[i]))
-        series.points.push_back({cell->mae_m * kCentimetresPerMetre, static_cast<double>(i),
-                                 cell->mae_low_m * kCentimetresPerMetre,
-                                 cell->mae_high_m * kCentimetresPerMetre});
+      if (const Number* error = average_error(s, method, of.conditions[i]))
+        series.points.push_back({error->value * kCentimetresPerMetre, static_cast<double>(i),
+                                 error->low * kCentimetresPerMetre, error->high * kCentimetresPerMetre});
     figure.series.push_back(std::move(series));
   }
   figure.is_first = true;
@@ -130,14 +139,14 @@ std::vector<std::string> stages_findings(const ResultsSummary& s, const std::vec
   std::vector<std::string> findings;
   for (const StagesOf& of : activities_of(s, stages)) {
     std::string errors, largest;
+    const auto changes = changes_of(s, of);
     double largest_cm = 0.0;
     for (std::size_t i = 0; i < stages.size(); ++i) {
-      const SummaryCell* cell = average_cell(s, s.reference, of.conditions[i]);
-      if (!cell || !std::isfinite(cell->mae_m)) continue;
+      const Number* error = average_error(s, s.reference, of.conditions[i]);
+      if (!error) continue;
       errors += fmt::format("{}{:.1f} cm ({})", errors.empty() ? "" : ", ",
-                            cell->mae_m * kCentimetresPerMetre, stages[i]);
-      const TableValue change =
-          i > 0 ? change_cell(s, of.conditions[i - 1], of.conditions[i], s.reference) : no_cell();
+                            error->value * kCentimetresPerMetre, stages[i]);
+      const TableValue change = change_cell(s, changes[i], s.reference);
       if (!(std::abs(change.number.value_or(0.0)) > largest_cm)) continue;
       largest_cm = std::abs(*change.number);
       largest = fmt::format(" The largest step is \"{}\": {:+.1f} cm ({:.1f} to {:.1f}).", stages[i],

@@ -38,14 +38,15 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
     if (!has_condition(s, condition)) continue;
     const bool is_beside = condition == occluded && has_the_papers_joints(s, condition, printed);
     for (const std::string& method : s.methods) {
-      const SummaryCell* cell = find_cell(s, method, condition, kAverageGroup, kAlignment);
-      if (!cell) continue;
-      table.rows.push_back({TableValue::of(printed.part),
-                            TableValue::of(std::string(condition == occluded ? "occluded" : "all")),
-                            TableValue::of(method),
-                            TableValue::of(is_beside ? papers_cm(printed, method) : kNoNumber, 1),
-                            cm_cell(cell->mae_m, cell->mae_low_m, cell->mae_high_m),
-                            count_cell(cell->answered), percent_cell(cell->coverage())});
+      const Number *coverage = find_coverage(s, method, condition, kAverageGroup, kAlignment),
+                   *error = find_error(s, method, condition, kAverageGroup, kAlignment);
+      if (!coverage) continue;
+      table.rows.push_back(
+          {TableValue::of(printed.part),
+           TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
+           TableValue::of(is_beside ? papers_cm(printed, method) : kNoNumber, 1),
+           error ? cm_cell(error->value, error->low, error->high) : cm_cell(kNoNumber, kNoNumber, kNoNumber),
+           count_cell(error ? error->n : 0), percent_cell(coverage->value)});
     }
   }
 }

@@ -11,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/calibration/calibration.h"
+#include "datasets/results/summary.h"
 #include "datasets/session/body_readings.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
@@ -347,6 +348,11 @@ void plan_points(Plan& plan) {
     const std::optional<Joint> joint = joint_from_name(name);
     return std::pair(joint ? static_cast<int>(*joint) : static_cast<int>(kJointCount), name);
   });
+  if (std::ranges::find(known, kAverageGroup) != known.end())
+    throw InputError(
+        "campaign \"" + plan.campaign.name + '"',
+        "has a point called \"average\", the tables' name for the mean of all points; give it another "
+        "name in the files or in mapping.json");
   for (const std::string& name : known)
     if (plan.study.joints.empty() || std::ranges::find(plan.study.joints, name) != plan.study.joints.end())
       plan.names.push_back(name);
@@ -354,6 +360,18 @@ void plan_points(Plan& plan) {
     throw InputError("study \"" + plan.study.name + "\" /joints",
                      fmt::format("asks for {}, which no take has and brings; known are {}",
                                  fmt::join(plan.study.joints, ", "), fmt::join(known, ", ")));
+}
+
+void check_conditions(const Plan& plan) {
+  const std::vector<std::string> activities = activities_of(plan);
+  for (const std::string& activity : activities)
+    if (plan.study.occluded_apart &&
+        std::ranges::find(activities, occluded_condition(activity)) != activities.end())
+      throw InputError(
+          "campaign \"" + plan.campaign.name + '"',
+          fmt::format("has takes of the activity \"{}\", which is the name of the occluded samples of "
+                      "\"{}\" under \"occluded_apart\"; rename the activity",
+                      occluded_condition(activity), activity));
 }
 
 }  // namespace
@@ -383,6 +401,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
     plan.takes.emplace_back().take = take;
     plan.takes.back().stage = stages[stage];
   }
+  check_conditions(plan);
   plan_truths(plan);
   look_into_all(plan, watch);
   if (plan.rig.empty())

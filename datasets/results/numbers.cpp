@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/numbers.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "datasets/base/text_output.h"
+
+namespace trilat {
+namespace {
+
+constexpr std::array kKeyParts{&NumberKey::condition, &NumberKey::group,     &NumberKey::method,
+                               &NumberKey::against,   &NumberKey::alignment, &NumberKey::measure,
+                               &NumberKey::statistic, &NumberKey::take};
+constexpr const char* kHeader =
+    "condition,group,method,against,alignment,measure,statistic,take,unit,value,low,high,n,clusters,p";
+constexpr std::array kNumberColumns{"condition", "group",     "method", "against",  "alignment",
+                                    "measure",   "statistic", "take",   "unit",     "value",
+                                    "low",       "high",      "n",      "clusters", "p"};
+constexpr std::size_t kUnit = kKeyParts.size(), kValue = kUnit + 1, kN = kValue + 3;
+
+constexpr std::array<std::pair<const char*, const char*>, 6> kUnitOfMeasure{{{"answered", "1"},
+                                                                             {"status", "1"},
+                                                                             {"within", "1"},
+                                                                             {"iterations", "steps"},
+                                                                             {"jerk", "m/s3"},
+                                                                             {"angle", "rad"}}};
+
+// One row of the file, whose cells are read with their place.
+class Row {
+ public:
+  Row(const std::string& file, std::size_t line, const std::string& text)
+      : place_(fmt::format("{}:{}", file, line)), cells_(csv_fields(text)) {
+    if (cells_.size() != kNumberColumns.size())
+      throw InputError(place_, fmt::format("has {} of {} cells: {}", cells_.size(), kNumberColumns.size(),
+                                           "the file is cut or was edited; make the results again"));
+  }
+
+  Number number() const {
+    Number number;
+    for (std::size_t part = 0; part < kKeyParts.size(); ++part) number.*kKeyParts[part] = cells_[part];
+    if (cells_[kUnit] != unit_of(number))
+      refuse(kUnit,
+             fmt::format("must be {}, the unit of {} {}", unit_of(number), number.measure, number.statistic));
+    number.value = real(kValue);
+    if (std::isnan(number.value)) refuse(kValue, "must be a number");
+    number.low = real(kValue + 1);
+    number.high = real(kValue + 2);
+    number.n = count(kN);
+    number.clusters = count(kN + 1);
+    number.p = real(kN + 2);
+    return number;
+  }
+  const std::string& place() const { return place_; }
+
+ private:
+  [[noreturn]] void refuse(std::size_t column, const std::string& right) const {
+    throw InputError(place_,
+                     fmt::format("{} is \"{}\"; it {}", kNumberColumns[column], cells_[column], right));
+  }
+  template <class T>
+  T parsed(std::size_t column, const char* what) const {
+    const std::string& cell = cells_[column];
+    T value{};
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc{} || end != cell.data() + cell.size()) refuse(column, what);
+    return value;
+  }
+  double real(std::size_t column) const {
+    if (cells_[column].empty()) return kNoNumber;
+    const auto value = parsed<double>(column, "must be a number or empty");
+    if (!std::isfinite(value)) refuse(column, "must be a number or empty");
+    return value;
+  }
+  std::uint64_t count(std::size_t column) const { return parsed<std::uint64_t>(column, "must be a count"); }
+
+  std::string place_;
+  std::vector<std::string> cells_;
+};
+
+std::string cell_of(double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); }
+
+}  // namespace
+
+NumberKey NumberKey::with(const NumberKey& more) const {
+  NumberKey key = *this;
+  for (const auto part : kKeyParts)
+    if (!(more.*part).empty()) key.*part = more.*part;
+  return key;
+}
+
+std::size_t Numbers::Hash::operator()(const NumberKey& key) const {
+  std::size_t hash = 0;
+  for (const auto part : kKeyParts) hash = hash * 1000003 + std::hash<std::string>{}(key.*part);
+  return hash;
+}
+
+void Numbers::add(Number number) {
+  if (std::isnan(number.value)) return;
+  const bool is_new = places_.try_emplace(number, numbers_.size()).second;
+  TRILAT_CHECK(is_new, "every number has a key of its own");
+  numbers_.push_back(std::move(number));
+}
+
+const Number* Numbers::find(const NumberKey& key) const {
+  const auto found = places_.find(key);
+  return found == places_.end() ? nullptr : &numbers_[found->second];
+}
+
+double Numbers::value(const NumberKey& key) const {
+  const Number* number = find(key);
+  return number ? number->value : kNoNumber;
+}
+
+std::uint64_t Numbers::n(const NumberKey& key) const {
+  const Number* number = find(key);
+  return number ? number->n : 0;
+}
+
+std::string unit_of(const NumberKey& key) {
+  if (key.statistic == "relative_difference" || key.statistic == "share") return "1";
+  for (const auto& [measure, unit] : kUnitOfMeasure)
+    if (key.measure == measure) return unit;
+  return "m";
+}
+
+void write_numbers(const std::filesystem::path& folder, const Numbers& numbers) {
+  TextOutput file(folder / kNumbersFile);
+  file.add("{}\n", kHeader);
+  for (const Number& number : numbers.all()) {
+    for (const auto part : kKeyParts) file.add("{},", csv_field(number.*part));
+    file.add("{},{},{},{},{},{},{}\n", unit_of(number), cell_of(number.value), cell_of(number.low),
+             cell_of(number.high), number.n, number.clusters, cell_of(number.p));
+  }
+  file.publish();
+}
+
+Numbers read_numbers(const std::filesystem::path& folder, std::size_t expected) {
+  const std::string file = (folder / kNumbersFile).string(),
+                    text = read_file(folder / kNumbersFile, kMaxNumbersBytes);
+  Numbers numbers;
+  std::size_t line = 0;
+  for (std::size_t first = 0; first < text.size(); ++line) {
+    const std::size_t end = end_of_csv_record(text, first);
+    const std::string row_text = text.substr(first, end - first);
+    first = end + 1;
+    if (line == 0) {
+      if (row_text != kHeader) throw InputError(file + ":1", fmt::format("must be the line \"{}\"", kHeader));
+      continue;
+    }
+    const Row row(file, line + 1, row_text);
+    Number number = row.number();
+    if (numbers.find(number)) throw InputError(row.place(), "repeats a number that stands above");
+    numbers.add(std::move(number));
+  }
+  if (numbers.all().size() != expected)
+    throw InputError(file, fmt::format("has {} of the {} numbers that summary.json states; make the results "
+                                       "again",
+                                       numbers.all().size(), expected));
+  return numbers;
+}
+
+}  // namespace trilat

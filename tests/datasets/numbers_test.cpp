@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "datasets/results/numbers.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "datasets/base/error.h"
+#include "datasets/base/files.h"
+#include "tests/support/scratch.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+
+const NumberKey kHead{
+    .condition = "walking", .group = "head", .method = "nonlinear, three", .alignment = "mean"};
+
+Numbers three_numbers() {
+  Numbers numbers;
+  numbers.add(
+      {kHead.with({.measure = "distance", .statistic = "mean"}), 0.1, 1.0 / 30.0, 0.3, 1234, 16, 0.04});
+  numbers.add({kHead.with({.measure = "answered", .statistic = "share"}), 0.75});
+  numbers.add({kHead.with({.method = "say \"hi\"\nagain", .measure = "jerk", .statistic = "mean"}), 1e-300});
+  return numbers;
+}
+
+std::string damage_of(const std::string& text, std::size_t expected = 3) {
+  const ScratchFolder folder;
+  write_file(folder / kNumbersFile, text);
+  try {
+    read_numbers(folder.path(), expected);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "was read";
+}
+
+std::string written() {
+  const ScratchFolder folder;
+  write_numbers(folder.path(), three_numbers());
+  return read_file(folder / kNumbersFile, 10'000);
+}
+
+std::string with(const std::string& old, const std::string& now) {
+  std::string text = written();
+  text.replace(text.find(old), old.size(), now);
+  return text;
+}
+
+TEST(Numbers, AreReadBackToTheLastBit) {
+  const ScratchFolder folder;
+  const Numbers before = three_numbers();
+  write_numbers(folder.path(), before);
+  const Numbers after = read_numbers(folder.path(), 3);
+  ASSERT_EQ(after.all().size(), 3u);
+  for (const Number& number : before.all()) {
+    const Number* same = after.find(number);
+    ASSERT_TRUE(same) << number.method;
+    EXPECT_EQ(same->value, number.value);
+    EXPECT_TRUE(same->low == number.low || std::isnan(number.low));
+    EXPECT_EQ(same->n, number.n);
+    EXPECT_EQ(same->clusters, number.clusters);
+    EXPECT_TRUE(same->p == number.p || std::isnan(number.p));
+  }
+}
+
+TEST(Numbers, WithoutAValueAreLeftOut) {
+  Numbers numbers;
+  numbers.add({kHead, kNoNumber});
+  EXPECT_TRUE(numbers.all().empty());
+  EXPECT_EQ(numbers.find(kHead), nullptr);
+  EXPECT_TRUE(std::isnan(numbers.value(kHead)));
+  EXPECT_EQ(numbers.n(kHead), 0u);
+}
+
+TEST(Numbers, EveryPartOfAKeyTellsTwoApart) {
+  Numbers numbers;
+  NumberKey key;
+  numbers.add({key, 0.0});
+  for (std::string NumberKey::*part :
+       {&NumberKey::condition, &NumberKey::group, &NumberKey::method, &NumberKey::against,
+        &NumberKey::alignment, &NumberKey::measure, &NumberKey::statistic, &NumberKey::take}) {
+    NumberKey other;
+    other.*part = "a";
+    numbers.add({other, 1.0});
+    EXPECT_EQ(numbers.value(other), 1.0);
+    EXPECT_EQ(key.with(other), other);
+  }
+  EXPECT_EQ(numbers.value(key), 0.0);
+}
+
+TEST(Numbers, DamageIsNamedWithItsRow) {
+  EXPECT_THAT(damage_of(written().substr(0, written().find("answered"))), HasSubstr("numbers.csv:3: has "));
+  EXPECT_THAT(damage_of(written(), 4), HasSubstr("has 3 of the 4 numbers that summary.json states"));
+  EXPECT_THAT(damage_of(written(), 2), HasSubstr("has 3 of the 2 numbers"));
+  EXPECT_THAT(damage_of(written() + written().substr(written().find("walking"))),
+              HasSubstr("numbers.csv:5: repeats a number that stands above"));
+  EXPECT_THAT(damage_of(with(",m,0.1", ",cm,0.1")),
+              HasSubstr("numbers.csv:2: unit is \"cm\"; it must be m, the unit of distance mean"));
+  EXPECT_THAT(damage_of(with("0.1,", "0,1,")), HasSubstr("numbers.csv:2: has 16 of 15 cells"));
+  EXPECT_THAT(damage_of(with("0.1,", "ten,")), HasSubstr("numbers.csv:2: value is \"ten\""));
+  EXPECT_THAT(damage_of(with("0.1,", ",")), HasSubstr("numbers.csv:2: value is \"\"; it must be a number"));
+  EXPECT_THAT(damage_of(with("0.3,", "inf,")), HasSubstr("numbers.csv:2: high is \"inf\""));
+  EXPECT_THAT(damage_of(with(",1234,", ",-1,")), HasSubstr("numbers.csv:2: n is \"-1\"; it must be a count"));
+  EXPECT_THAT(damage_of(with("condition,", "Condition,")), HasSubstr("numbers.csv:1: must be the line"));
+  EXPECT_THAT(damage_of(""), HasSubstr("has 0 of the 3 numbers"));
+}
+
+}  // namespace
+}  // namespace trilat
