@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kTakeFormat = "trilat.take";
 constexpr double kBinGrowth = 1.005;
-constexpr std::int64_t kTakeVersion = 3;
+constexpr std::int64_t kTakeVersion = 4;
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
 constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
 constexpr std::size_t kMaxSensors = 64;                  // each a track, where sensors are left out in turn
@@ -46,7 +46,7 @@ SampleTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table&
           table("truth_m", H5Type::f64, {joints, 3}),
           table("ranges", H5Type::u8, {joints}),
           table("occluded", H5Type::u8, {joints}),
-          table("estimate_m", H5Type::f64, {joints, methods, 3}),
+          table("estimate_m", H5Type::f32, {joints, methods, 3}),
           table("status", H5Type::u8, {joints, methods}),
           table("iterations", H5Type::u32, {joints, methods}),
           table("cost_m2", H5Type::f32, {joints, methods}),
@@ -55,13 +55,15 @@ SampleTables tables_of(std::uint64_t joints, std::uint64_t methods, const Table&
 
 using Shape = std::vector<std::uint64_t>;
 
-// Positions and times are noise in their last digits, and stored as they are.
+// The truth's positions and times are noise in their last digits, and stored as they are.
 H5Layout layout_of(const std::string& table, const Shape& row_shape, const TakeHead& head) {
-  if (table == "estimate_m" || table == "truth_m" || table == "time_ns") return {};
+  if (table == "truth_m" || table == "time_ns") return {};
   std::uint64_t elements = 1;
   for (const std::uint64_t extent : row_shape) elements *= extent;
   return compressed(std::max<std::uint64_t>(1, elements * sizeof(float)), head.instants, kTogether);
 }
+
+std::string position_attribute(std::size_t axis) { return fmt::format("sensor_{}_m", "xyz"[axis]); }
 
 void check_block(const SampleBlock& block, const SampleTables& t, std::size_t statuses) {
   const auto [first, last] = std::minmax_element(block.time_ns.begin(), block.time_ns.end());
@@ -156,46 +158,32 @@ std::vector<Row> read_rows(const H5Node& parent, const char* name) {
   return rows;
 }
 
-// Refuses rows that name what the take does not have: readers use the numbers as places.
-void check_places(const ErrorTable& t, const TakeHead& head, const std::string& place) {
-  const auto all = [&](const auto& rows, const auto& is_right, const char* what) {
-    if (!std::ranges::all_of(rows, is_right))
-      throw InputError(place + "/" + what, "has a row of a joint, method or alignment that the take has not");
+// Refuses rows that name what the take does not have: readers use the numbers as places. The truth is a
+// method, and "before any" an alignment, of sums alone.
+void check_places(const TakeErrors& t, const TakeHead& head, const std::string& place) {
+  const auto all = [&](const auto& rows, std::size_t more, const char* what) {
+    for (const auto& row : rows) {
+      bool is_right = row.quantity < t.quantities.size() && row.method < head.methods.size() + more;
+      if constexpr (requires { row.alignment; })
+        is_right = is_right && row.alignment < t.alignments.size() + more;
+      if constexpr (requires { row.subset; }) is_right = is_right && row.subset < kSubsetNames.size();
+      if constexpr (requires { row.measure; }) is_right = is_right && row.measure < kMeasureNames.size();
+      if constexpr (requires { row.test; }) is_right = is_right && row.test < 2;
+      if (!is_right)
+        throw InputError(place + "/" + what,
+                         "has a row of a joint, method or alignment that the take has not");
+    }
   };
-  const auto is_of = [&](std::uint32_t quantity, std::uint32_t method, std::uint32_t alignment) {
-    return quantity < head.tracks.size() * head.joints.size() && method < head.methods.size() &&
-           alignment < t.alignments.size();
-  };
-  const auto is_cell = [&](const auto& row) {
-    return is_of(row.quantity, row.method, row.alignment) && row.subset < kSubsetNames.size();
-  };
-  all(
-      t.laid_over, [&](const AlignmentRow& r) { return is_of(r.quantity, r.method, r.alignment); },
-      "laid_over");
-  all(t.errors, is_cell, "errors");
-  all(t.histograms, is_cell, "histograms");
-  all(
-      t.bins, [&](const BinRow& r) { return r.bin <= kLastBin; }, "bins");
+  if (t.quantities.size() < head.tracks.size() * head.joints.size())
+    throw InputError(place, "names fewer quantities than the take has joints");
+  all(t.laid_over, 0, "laid_over");
+  all(t.sums, 1, "sums");
+  all(t.ended, 0, "ended");
+  all(t.histograms, 0, "histograms");
   std::uint64_t bins = 0;
   for (const HistogramRow& row : t.histograms) bins += row.bins;
-  if (bins != t.bins.size()) throw InputError(place + "/bins", "are not as many as the histograms have");
-  all(
-      t.pairs,
-      [&](const PairRow& r) {
-        return is_of(r.quantity, r.first, r.alignment) && r.second < head.methods.size() &&
-               r.subset < kSubsetNames.size();
-      },
-      "pairs");
-  all(
-      t.bodies,
-      [&](const BodyRow& r) { return r.method < head.methods.size() && r.with < head.methods.size(); },
-      "bodies");
-  all(
-      t.shapes, [&](const ShapeRow& r) { return r.method < head.methods.size(); }, "shapes");
-  all(
-      t.truth, [&](const TruthRow& r) { return r.quantity < head.tracks.size() * head.joints.size(); },
-      "truth");
-  if (t.body_alignment >= t.alignments.size()) throw InputError(place, "has no body alignment");
+  if (bins != t.bins.size() || std::ranges::any_of(t.bins, [](const BinRow& r) { return r.bin > kLastBin; }))
+    throw InputError(place + "/bins", "are not those that the histograms have");
 }
 
 }  // namespace
@@ -209,7 +197,7 @@ void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t jo
   truth_m.assign(count * joints * 3, kNaN);
   ranges.assign(count * joints, 0);
   occluded.assign(count * joints, 0);
-  estimate_m.assign(count * joints * methods * 3, kNaN);
+  estimate_m.assign(count * joints * methods * 3, std::numeric_limits<float>::quiet_NaN());
   status.assign(count * joints * methods, 0);
   iterations.assign(count * joints * methods, 0);
   cost_m2.assign(count * joints * methods, std::numeric_limits<float>::quiet_NaN());
@@ -255,6 +243,7 @@ StoredTake StoredTake::create(const std::filesystem::path& path, const TakeHead&
   s.file.set_texts("methods", head.methods);
   s.file.set_texts("status_names", head.status_names);
   s.file.set_texts("tracks", head.tracks);
+  s.file.set_integer("is_upright", head.is_upright ? 1 : 0);
   H5Node samples = s.file.create_group("samples");
   for (std::size_t t = 0; t < head.tracks.size(); ++t) {
     H5Node track = samples.create_group(std::to_string(t));
@@ -262,6 +251,8 @@ StoredTake StoredTake::create(const std::filesystem::path& path, const TakeHead&
         head.joints.size(), head.methods.size(), [&](const char* name, H5Type type, const Shape& shape) {
           return track.create_table(name, type, shape, layout_of(name, shape, head), head.instants);
         }));
+    for (std::size_t axis = 0; !head.track_position_m.empty() && axis < 3; ++axis)
+      track.set_number(position_attribute(axis), head.track_position_m[t][axis]);
   }
   return take;
 }
@@ -285,6 +276,7 @@ StoredTake StoredTake::open(const std::filesystem::path& path) {
     throw InputError(path.string(), fmt::format("has {} joints x {} methods, more than the {} allowed",
                                                 s.head.joints.size(), s.head.methods.size(), kMaxEstimates));
   s.head.tracks = s.file.texts("tracks");
+  s.head.is_upright = s.file.integer("is_upright") != 0;
   const H5Node samples = s.file.group("samples");
   if (s.head.tracks.empty() || s.head.tracks.size() > kMaxSensors)
     throw InputError(samples.place(), "must have 1 to 64 tracks");
@@ -295,6 +287,10 @@ StoredTake StoredTake::open(const std::filesystem::path& path) {
         [&](const char* name, H5Type type, const Shape& shape) { return track.table(name, type, shape); }));
     if (s.tracks[t].time_ns.rows() != s.tracks[0].time_ns.rows())
       throw InputError(track.place(), "is of another length than the first track");
+    if (!track.has_attribute(position_attribute(0))) continue;
+    s.head.track_position_m.resize(s.head.tracks.size());
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      s.head.track_position_m[t][axis] = track.number(position_attribute(axis));
   }
   s.head.instants = s.tracks[0].time_ns.rows();
   return take;
@@ -356,38 +352,33 @@ void StoredTake::read(std::size_t track, std::uint64_t first_instant, std::uint6
   get(t.gdop, b.gdop, all);
 }
 
-void StoredTake::write_errors(const ErrorTable& table) {
+void StoredTake::write_errors(const TakeErrors& errors) {
   H5Node node = state_->file.create_group("errors");
-  node.set_text("settings_sha256", table.settings_sha256);
-  node.set_texts("alignments", table.alignments);
+  node.set_text("settings_sha256", errors.settings_sha256);
+  node.set_texts("alignments", errors.alignments);
+  node.set_texts("quantities", errors.quantities);
   node.set_texts("subsets", {kSubsetNames.begin(), kSubsetNames.end()});
-  node.set_integer("body_alignment", table.body_alignment);
-  write_rows(node, "laid_over", table.laid_over);
-  write_rows(node, "errors", table.errors);
-  write_rows(node, "pairs", table.pairs);
-  write_rows(node, "histograms", table.histograms);
-  write_rows(node, "bins", table.bins);
-  write_rows(node, "bodies", table.bodies);
-  write_rows(node, "shapes", table.shapes);
-  write_rows(node, "truth", table.truth);
+  node.set_texts("measures", {kMeasureNames.begin(), kMeasureNames.end()});
+  write_rows(node, "laid_over", errors.laid_over);
+  write_rows(node, "sums", errors.sums);
+  write_rows(node, "ended", errors.ended);
+  write_rows(node, "histograms", errors.histograms);
+  write_rows(node, "bins", errors.bins);
 }
 
-ErrorTable StoredTake::read_errors() const {
+TakeErrors StoredTake::read_errors() const {
   const H5Node node = state_->file.group("errors");
-  ErrorTable table;
-  table.settings_sha256 = node.text("settings_sha256");
-  table.alignments = node.texts("alignments");
-  table.body_alignment = static_cast<std::uint32_t>(node.integer("body_alignment"));
-  table.laid_over = read_rows<AlignmentRow>(node, "laid_over");
-  table.errors = read_rows<ErrorRow>(node, "errors");
-  table.pairs = read_rows<PairRow>(node, "pairs");
-  table.histograms = read_rows<HistogramRow>(node, "histograms");
-  table.bins = read_rows<BinRow>(node, "bins");
-  table.bodies = read_rows<BodyRow>(node, "bodies");
-  table.shapes = read_rows<ShapeRow>(node, "shapes");
-  table.truth = read_rows<TruthRow>(node, "truth");
-  check_places(table, state_->head, node.place());
-  return table;
+  TakeErrors errors;
+  errors.settings_sha256 = node.text("settings_sha256");
+  errors.alignments = node.texts("alignments");
+  errors.quantities = node.texts("quantities");
+  errors.laid_over = read_rows<AlignmentRow>(node, "laid_over");
+  errors.sums = read_rows<ErrorSums>(node, "sums");
+  errors.ended = read_rows<EndedRow>(node, "ended");
+  errors.histograms = read_rows<HistogramRow>(node, "histograms");
+  errors.bins = read_rows<BinRow>(node, "bins");
+  check_places(errors, state_->head, node.place());
+  return errors;
 }
 
 }  // namespace trilat

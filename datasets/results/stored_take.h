@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/results/error_table.h"
+#include "datasets/results/take_errors.h"
 
 namespace trilat {
 
@@ -21,6 +21,8 @@ struct TakeHead {
   std::uint64_t instants = 0;
   std::vector<std::string> joints, methods, tracks;
   std::vector<std::string> status_names;  // status number -> name
+  bool is_upright = false;                // y is up, so that a trunk's inclination means something
+  std::vector<std::array<double, 3>> track_position_m = {};  // of left-out sensors, one a track
 };
 
 // Whether a status of that name, as a take's head lists them, is an answer.
@@ -36,7 +38,7 @@ struct SampleBlock {
   std::vector<std::int64_t> time_ns;  // host clock
   std::vector<float> heading_rad;     // of the person, from world +z towards +x; NaN when not known
   std::vector<double> truth_m;        // NaN where there is none
-  std::vector<double> estimate_m;     // x, y, z; NaN where there is none
+  std::vector<float> estimate_m;      // x, y, z; NaN where there is none
   std::vector<std::uint8_t> status;
   std::vector<std::uint32_t> iterations;
   std::vector<float> cost_m2;
@@ -53,7 +55,7 @@ struct SampleBlock {
 // Which columns of a block to read; errors: without ranges, cost and GDOP, which are empty then.
 enum class SampleColumns { errors, all };
 
-// take.h5 (version 3), the item of a take: its samples and their errors. Equal takes give equal bytes. The
+// take.h5 (version 4), the item of a take: its samples and their errors. Equal takes give equal bytes. The
 // blocks of a track are written in the order of time; what is never written must be written empty.
 class StoredTake {
  public:
@@ -74,8 +76,8 @@ class StoredTake {
   void read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
             SampleBlock& block) const;
 
-  void write_errors(const ErrorTable& table);
-  ErrorTable read_errors() const;
+  void write_errors(const TakeErrors& errors);
+  TakeErrors read_errors() const;
 
   // Closes a file that was created, with all of it on the disk; OutputError when that cannot be.
   void finish();

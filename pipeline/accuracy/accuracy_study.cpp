@@ -43,7 +43,7 @@ struct AccuracyRun {
   std::vector<TakeNote> notes;                    // on the campaign
   std::vector<WatchedFiles> files;                // by take, from before the plan was made
   std::vector<std::vector<TakeInput>> inputs;     // by take, once its key was asked for
-  std::vector<std::optional<ErrorTable>> tables;  // by take, of those that were evaluated
+  std::vector<std::optional<TakeErrors>> tables;  // by take, of those that were evaluated
   std::vector<DeclaredParameter> parameters;      // of the simulator that made the campaign
 };
 
@@ -141,7 +141,7 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
 }
 
 // Gives the error table of a take, which this run computed or an earlier one stored.
-ErrorTable errors_of_take(AccuracyRun& run, std::size_t t, const Outcome& outcome) {
+TakeErrors errors_of_take(AccuracyRun& run, std::size_t t, const Outcome& outcome) {
   if (run.tables[t]) return std::move(*std::exchange(run.tables[t], {}));
   return stored_errors(ItemStore(outcome.folder.parent_path().parent_path()), outcome.key, run.errors);
 }
@@ -211,7 +211,8 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     watch.check();
     const Take& take = run.plan.takes[t].take;
     if (results[t].evaluated)
-      tables[t] = {take.id, take.participant, take.activity, errors_of_take(run, t, *of_take[t])};
+      tables[t] = {take.id, take.participant, take.activity, errors_of_take(run, t, *of_take[t]),
+                   of_take[t]->folder / StoredTake::kName};
     if (results[t].evaluated && run.plan.study.paper == PaperStudy::table3)
       add_movement(run.plan, *of_take[t], tables[t]);
     watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
@@ -222,12 +223,15 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
   ResultsSummary summary = summary_head(run.plan, outcome);
   summary.notes.insert(summary.notes.begin(), run.notes.begin(), run.notes.end());
   const StudyErrors errors(tables, run.plan.names, summary);
+  set_reference(errors, summary);
+  const std::vector<MethodPair> pairs = pairs_of(errors, summary, compared_with(summary.paper));
+  parallel_for_index(tables.size(), 1, [&](std::size_t t) {
+    watch.check();
+    tables[t].pairs = pair_errors(StoredTake::open(tables[t].samples), run.errors, pairs);
+  });
   add_numbers(errors, summary);
   summary.claims = claims_of(errors);
   StoredTables shown = accuracy_shown(summary, outcome.tracking);
-  std::vector<AngleSums> angles;
-  for (const TakeResult& result : results)
-    angles.insert(angles.end(), result.tracking.angles.begin(), result.tracking.angles.end());
   if (run.plan.rig.empty()) {
     auto place = shown.tables.begin();
     for (const std::string& condition : summary.conditions) {
@@ -236,7 +240,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
       place = std::next(shown.tables.insert(place, std::move(table)));
     }
   }
-  for (Table& table : angle_tables(shown_summary(summary), angles)) {
+  for (Table& table : angle_tables(shown_summary(summary))) {
     if (run.plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
   }
@@ -245,8 +249,7 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
     shown.tables.push_back(std::move(table));
   }
   StoredFigures figures{accuracy_figures(shown_summary(summary))};
-  for (Figure& figure : angle_figures(shown_summary(summary), angles))
-    figures.figures.push_back(std::move(figure));
+  for (Figure& figure : angle_figures(shown_summary(summary))) figures.figures.push_back(std::move(figure));
   if (!run.plan.study.stages.empty()) show_stages(run.plan.study, summary, shown, figures);
   store_tables(folder, std::move(shown));
   write_beside(folder, figures);
@@ -339,8 +342,7 @@ Study accuracy_study(const StudySpec& given, const Campaign& campaign, bool cros
   run->inputs.resize(run->plan.takes.size());
   run->tables.resize(run->plan.takes.size());
   const StudySpec& study_of = run->plan.study;
-  run->errors = {study_of.alignments, study_of.training_share, study_of.occluded_apart, study_of.rate_hz,
-                 compared_methods(run->plan.methods, run->plan.reference)};
+  run->errors = {study_of.alignments, study_of.training_share, study_of.occluded_apart, study_of.rate_hz};
   for (std::string& text : oddities_of(campaign)) run->notes.push_back({"", false, "campaign.json", text});
   run->parameters = read_declared_parameters(campaign.folder);
   Study study{.kind = name_of(StudyKind::accuracy),

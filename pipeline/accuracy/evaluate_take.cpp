@@ -12,9 +12,7 @@
 #include "datasets/base/files.h"
 #include "datasets/results/stored_take.h"
 #include "pipeline/accuracy/brought/brought_joints.h"
-#include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/take/hidden_views.h"
-#include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_rays.h"
@@ -79,8 +77,8 @@ std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& plann
   return notes;
 }
 
-ErrorTable write_errors(StoredTake& file, const ErrorSettings& settings) {
-  ErrorTable errors = errors_of(file, settings);
+TakeErrors write_errors(StoredTake& file, const ErrorSettings& settings) {
+  TakeErrors errors = errors_of(file, settings);
   file.write_errors(errors);
   return errors;
 }
@@ -93,6 +91,11 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
   head.joints = plan.names;
   for (const Method& method : plan.methods) head.methods.push_back(method.spec.name);
   head.tracks = tracks_of(plan, planned);
+  head.is_upright = planned.level;
+  if (planned.truth == TakeTruth::left_out_sensor)
+    for (const RigidTransform& sensor : planned.world_from_sensor)
+      head.track_position_m.push_back(
+          {sensor.translation_m.x(), sensor.translation_m.y(), sensor.translation_m.z()});
   for (int s = 0; s < kSolveStatusCount; ++s)
     head.status_names.emplace_back(name_of(static_cast<SolveStatus>(s)));
   return head;
@@ -156,28 +159,21 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
   const SeenTake seen =
       has_sensors ? see_session(plan, planned, watch, result) : see_points(plan, planned, result);
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
-  const auto solve = [&](std::size_t track, const TakeData& data, auto& sums) {
+  const auto solve = [&](std::size_t track, const TakeData& data) {
     const double share = 1.0 / static_cast<double>(file.head().tracks.size());
     const Watch part{watch.stop_requested,
                      share_of(watch.progress, share * static_cast<double>(track), share)};
     result.checks.resize(cross_check ? checked_methods(plan).size() : 0);
     const std::vector<TakeCheck> checks =
-        solve_take(plan, planned, data, seen.brought, cross_check, part, [&](const SampleBlock& block) {
-          sums.add(block);
-          file.write(track, block);
-        });
+        solve_take(plan, planned, data, seen.brought, cross_check, part,
+                   [&](const SampleBlock& block) { file.write(track, block); });
     for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
   };
   if (planned.truth == TakeTruth::left_out_sensor) {
-    for (std::size_t s = 0; s < plan.rig.size(); ++s) {
-      Predictions predictions(plan, planned, s);
-      solve(s, see_take(plan, planned, seen.followed, std::nullopt, s, watch.stop_requested), predictions);
-      std::ranges::move(predictions.sums(), std::back_inserter(result.tracking.predictions));
-    }
+    for (std::size_t s = 0; s < plan.rig.size(); ++s)
+      solve(s, see_take(plan, planned, seen.followed, std::nullopt, s, watch.stop_requested));
   } else {
-    AngleErrors angles(file.head(), planned.take.participant, planned.level);
-    solve(0, seen.all, angles);
-    result.tracking.angles = angles.sums();
+    solve(0, seen.all);
   }
   evaluated.errors = write_errors(file, errors);
   file.finish();
@@ -185,9 +181,9 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
   return evaluated;
 }
 
-ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings) {
+TakeErrors stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings) {
   const StoredTake there = StoredTake::open(store.folder(key) / StoredTake::kName);
-  ErrorTable errors = there.read_errors();
+  TakeErrors errors = there.read_errors();
   if (errors.settings_sha256 == settings.sha256()) return errors;
   std::optional<StoredItem> item = store.find(key);
   if (!item) throw InputError(store.folder(key).string(), "was removed while it was read");

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "datasets/results/error_table.h"
 #include "datasets/results/item_store.h"
+#include "datasets/results/take_errors.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_result.h"
@@ -17,7 +17,7 @@ namespace trilat {
 
 struct EvaluatedTake {
   TakeResult result;
-  ErrorTable errors;
+  TakeErrors errors;
 };
 
 // Sends one take through every method and writes its take.h5 into `folder`. Throws Interrupted when asked to
@@ -27,6 +27,6 @@ EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSetti
 
 // The errors of a take that is an item. Where they were made with other settings they are made again from its
 // samples, and the item is replaced. InputError when there is no such item.
-ErrorTable stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings);
+TakeErrors stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings);
 
 }  // namespace trilat

@@ -43,7 +43,7 @@ void solve(const Plan& plan, const TakeData& data, const Watch& watch, FusedSess
       FusedPoint& point = fused.points[first + k];
       point.status = static_cast<SolveStatus>(block.status[k]);
       if (is_usable(point.status))
-        point.position_m = Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[3 * k]);
+        point.position_m = Eigen::Map<const Eigen::Vector3f>(&block.estimate_m[3 * k]).cast<double>();
       if (has_sigma) point.sigma_m = block.sigma_m[k];
     }
   });

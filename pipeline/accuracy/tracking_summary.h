@@ -52,20 +52,6 @@ struct RayRow {
   TRILAT_FIELDS(take, rows, problem, range_m, bearing_m, ratio, ratio_low, ratio_high)
 };
 
-// How well one method predicts what a sensor sees from the others, over every sensor of the rig left out in
-// turn: mean distances along its ray and across, and the mean with its sign along the ray; how much its bones
-// change their lengths in a take (standard deviation), and the mean jerk of its joints. 95 % intervals with
-// participants as clusters. What all sensors have in common is in none of these numbers.
-struct PredictionRow {
-  std::string condition, method;
-  std::uint64_t n = 0;
-  Estimate range_m = {}, bearing_m = {};
-  Estimate mean_range_m = {};  // above 0: farther than seen
-  Estimate bone_m = {}, jerk_m_s3 = {};
-
-  TRILAT_FIELDS(condition, method, n, range_m, bearing_m, mean_range_m, bone_m, jerk_m_s3)
-};
-
 // The views of a joint group that a rule calls occluded, against those that truly hide the joint.
 struct RuleRow {
   std::string condition, rule, group;
@@ -97,11 +83,10 @@ struct TrackingSummary {
   std::vector<CheckRow> checks = {};
   std::vector<ClockRow> clocks = {};
   std::vector<RayRow> rays = {};
-  std::vector<PredictionRow> predictions = {};  // of studies that leave sensors out
-  std::vector<RuleRow> rules = {};              // of simulations whose methods ask what is hidden
+  std::vector<RuleRow> rules = {};  // of simulations whose methods ask what is hidden
   std::vector<BoundRow> bounds = {};
 
-  TRILAT_FIELDS(study, simulated, repaired, checks, clocks, rays, predictions, rules, bounds)
+  TRILAT_FIELDS(study, simulated, repaired, checks, clocks, rays, rules, bounds)
 };
 
 }  // namespace trilat

@@ -198,7 +198,7 @@ Measurements ErrorMeasures::places(const std::string& method, const ErrorPlace& 
     if (groups.empty()) return lacking(lacking_joints(where.condition));
     const double weight = 1.0 / static_cast<double>(groups.size());
     for (const std::size_t g : groups) {
-      const ClusterSums& sums = errors[side]->cell(g, methods.front(), 0).length_m;
+      const ClusterSums& sums = errors[side]->cell(g, methods.front(), 0).distance.sum;
       contrast.value.push_back(sums.ratio(errors[side]->cluster_count(), side == 0 ? weight : -weight));
       if (side == 1) contrast.base.push_back(sums.ratio(errors[side]->cluster_count(), weight));
     }
@@ -279,7 +279,8 @@ Measurements ErrorMeasures::clock_cost(const std::string& method, double clock_s
   const double most_m_s = fastest->mean_speed_m_s();
   const std::size_t group = groups[static_cast<std::size_t>(fastest - all.begin())];
   const ConditionErrors& errors = in("walking");
-  const WeightedRatio error = errors.cell(group, methods.front(), 0).length_m.ratio(errors.cluster_count());
+  const WeightedRatio error =
+      errors.cell(group, methods.front(), 0).distance.sum.ratio(errors.cluster_count());
   WeightedRatio way = error;
   for (std::size_t c = 0; c < way.numerator.size(); ++c)
     way.numerator[c] = clock_s * most_m_s * way.denominator[c];
@@ -297,9 +298,8 @@ Measurements ErrorMeasures::wrist_deviation(const std::string& method) const {
   if (joint == std::ssize(errors_.joints())) return lacking("a study of walking with the right wrist");
   const auto is_of = [&](const auto& row) {
     return errors_.axes().joint_of(row) == static_cast<std::size_t>(joint) && row.method == methods.front() &&
-           row.alignment == 0 && row.subset == static_cast<std::uint32_t>(Subset::all);
+           row.alignment == 0 && row.subset == static_cast<std::uint32_t>(Subset::all) && row.is(Measure::y);
   };
-  constexpr std::size_t kUp = 1;  // y
   const ConditionErrors& errors = in("walking");
   const bool by_participant = errors.clusters() == std::string("participants");
   std::vector<std::string> names;
@@ -310,11 +310,11 @@ Measurements ErrorMeasures::wrist_deviation(const std::string& method) const {
     if (found == names.end()) found = names.insert(names.end(), name);
     const auto c = static_cast<std::size_t>(found - names.begin());
     double most_m = 0.0, sum_m = 0.0, answered = 0.0;
-    for (const ErrorRow& row : take->errors.errors) {
+    for (const ErrorSums& row : take->errors.sums) {
       if (!is_of(row)) continue;
-      most_m = std::max(most_m, row.largest_axis_m[kUp]);
-      sum_m += row.absolute_m[kUp];
-      answered += row.answered;
+      most_m = std::max(most_m, row.largest);
+      sum_m += row.sum_abs;
+      answered += row.n;
     }
     if (answered == 0.0) continue;
     largest_m.add(c, most_m, 1.0);

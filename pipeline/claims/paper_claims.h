@@ -46,6 +46,9 @@ struct ErratumEffect {
 };
 std::span<const ErratumEffect> erratum_effects();
 
+// The methods that claims and errata compare others with, in such a repetition of the paper.
+std::vector<std::string> compared_with(const std::string& paper);
+
 // Every number that a study's results bear on, of claims and errata, as it is stored with them.
 std::vector<ClaimNumber> claims_of(const StudyErrors& errors);
 std::vector<ClaimNumber> claims_of(const SweepSummary& summary);

@@ -5,7 +5,9 @@
 #include <optional>
 #include <set>
 
+#include "datasets/base/error.h"
 #include "datasets/skeleton/skeleton.h"
+#include "evaluators/alignment/alignment.h"
 
 namespace trilat {
 namespace {
@@ -28,6 +30,11 @@ std::vector<std::size_t> cluster_of(std::span<const TakeTable> takes, bool by_pa
 }
 
 }  // namespace
+
+bool leaves_training_out(const std::string& alignment) {
+  const std::optional<AlignmentKind> kind = alignment_from_name(alignment);
+  return kind && is_trained(*kind);
+}
 
 std::string group_of(const std::string& joint) {
   const std::optional<Joint> known = joint_from_name(joint);
@@ -61,19 +68,39 @@ WeightedRatio ClusterSums::ratio(std::size_t clusters, double weight) const {
   return ratio;
 }
 
-void CellSums::add(const ErrorRow& row, std::size_t cluster) {
-  asked += row.asked();
-  answered += row.answered;
-  iterations += row.iterations;
-  for (std::size_t s = 0; s < kMostStatuses; ++s) statuses[s] += row.statuses[s];
-  length_m2 += row.length_m2;
-  largest_m = std::max(largest_m, row.largest_m);
-  for (std::size_t axis = 0; axis < 3; ++axis) absolute_m[axis] += row.absolute_m[axis];
-  length_m.add(cluster, row.length_m, row.answered);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    error_m[axis].add(cluster, row.error_m[axis], row.answered);
-    error_m2[axis].add(cluster, row.error_m2[axis], row.answered);
+void MeasureSums::add(const ErrorSums& row, std::size_t cluster) {
+  n += row.n;
+  sum_abs += row.sum_abs;
+  largest = std::max(largest, row.largest);
+  sum.add(cluster, row.sum, row.n);
+  squares.add(cluster, row.sum_squares, row.n);
+  absolute.add(cluster, row.sum_abs, row.n);
+}
+
+namespace {
+double sum_of(const ClusterSums& sums) {
+  double sum = 0.0;
+  for (const double part : sums.sum) sum += part;
+  return sum;
+}
+}  // namespace
+
+double MeasureSums::total() const { return sum_of(sum); }
+double MeasureSums::total_squares() const { return sum_of(squares); }
+
+void CellSums::add(const ErrorSums& row, std::size_t cluster) {
+  if (row.is(Measure::distance)) {
+    answered += row.n;
+    distance.add(row, cluster);
+  } else {
+    axes.at(row.measure - static_cast<std::uint32_t>(Measure::x)).add(row, cluster);
   }
+}
+
+void CellSums::add(const EndedRow& row) {
+  asked += row.asked();
+  iterations += row.iterations;
+  for (std::size_t s = 0; s < kMaxStatuses; ++s) statuses[s] += row.statuses[s];
 }
 
 void CellSums::add(std::span<const BinRow> bins) {
@@ -84,7 +111,7 @@ void CellSums::add(std::span<const BinRow> bins) {
 void CellSums::add_counts(const CellSums& more) {
   asked += more.asked;
   answered += more.answered;
-  for (std::size_t s = 0; s < kMostStatuses; ++s) statuses[s] += more.statuses[s];
+  for (std::size_t s = 0; s < kMaxStatuses; ++s) statuses[s] += more.statuses[s];
 }
 
 // The length that so many are shorter than.
@@ -94,13 +121,13 @@ double CellSums::length_at(std::uint64_t place) const {
     if (place < before + histogram[bin]) {
       const auto of_bin = static_cast<std::uint32_t>(bin);
       const double low_m = bin_starts_at_m(of_bin);
-      const double high_m = bin == kLastBin ? largest_m : bin_starts_at_m(of_bin + 1);
+      const double high_m = bin == kLastBin ? distance.largest : bin_starts_at_m(of_bin + 1);
       const double share = (static_cast<double>(place - before) + 0.5) / static_cast<double>(histogram[bin]);
-      return std::min(largest_m, low_m + (high_m - low_m) * share);
+      return std::min(distance.largest, low_m + (high_m - low_m) * share);
     }
     before += histogram[bin];
   }
-  return largest_m;
+  return distance.largest;
 }
 
 double CellSums::quantile_m(double q) const {
@@ -128,8 +155,7 @@ ConditionErrors::ConditionErrors(std::span<const TakeTable> takes, const std::st
                                  const TableAxes& axes)
     : axes_(axes),
       cells_(axes.groups.size() * axes.methods * axes.alignments),
-      pairs_(cells_.size() * axes.methods),
-      bodies_(2 * axes.methods) {
+      pairs_(cells_.size() * axes.methods) {
   for (const TakeTable& take : takes)
     if (take.activity == activity) takes_.push_back(&take);
   std::set<std::string> participants;
@@ -140,9 +166,15 @@ ConditionErrors::ConditionErrors(std::span<const TakeTable> takes, const std::st
   const std::vector<std::size_t> clusters = cluster_of(takes, by_participant);
   for (std::size_t t = 0; t < takes.size(); ++t) {
     if (!by_block) cluster_count_ = std::max(cluster_count_, clusters[t] + 1);
-    if (takes[t].activity == activity) add(takes[t].errors, subset, clusters[t], by_block);
+    if (takes[t].activity != activity) continue;
+    add(takes[t].errors, subset, clusters[t], by_block);
+    for (const auto& [pair, rows] : takes[t].pairs) {
+      compared_.insert(pair);
+      for (const PairRow& row : rows)
+        if (is_of(row, subset)) add_pair(pair, row, by_block ? row.block : clusters[t]);
+    }
   }
-  for (const CellSums& sums : cells_) cluster_count_ = std::max(cluster_count_, sums.length_m.n.size());
+  for (const CellSums& sums : cells_) cluster_count_ = std::max(cluster_count_, sums.distance.sum.n.size());
   for (std::size_t g = 0; g < axes.groups.size(); ++g) {
     const auto of_group = std::span(cells_).subspan(place(g, 0, 0), axes.methods * axes.alignments);
     if (std::ranges::any_of(of_group, [](const CellSums& sums) { return sums.asked > 0; }))
@@ -163,31 +195,51 @@ const CellSums& ConditionErrors::cell(std::size_t group, std::size_t method, std
 }
 const PairSums& ConditionErrors::pair(std::size_t group, std::size_t first, std::size_t second,
                                       std::size_t alignment) const {
+  const auto lower = static_cast<std::uint32_t>(std::min(first, second)),
+             higher = static_cast<std::uint32_t>(std::max(first, second));
+  TRILAT_CHECK(compared_.contains({lower, higher}), "the errors of a pair are computed before they are read");
   return pairs_[place(group, first, second, alignment)];
 }
 
-void ConditionErrors::add(const ErrorTable& table, Subset subset, std::size_t cluster, bool by_block) {
-  const auto cluster_of = [&](const auto& row) { return by_block ? row.block : cluster; };
-  const auto cell_of = [&](const auto& row) -> CellSums& {
-    return cells_[place(axes_.group_of(row), row.method, row.alignment)];
+void ConditionErrors::add(const TakeErrors& errors, Subset subset, std::size_t cluster, bool by_block) {
+  const auto cell_of = [&](const auto& row, std::size_t alignment) -> CellSums& {
+    return cells_[place(axes_.group_of(row), row.method, alignment)];
   };
-  for (const ErrorRow& row : table.errors)
-    if (is_of(row, subset)) cell_of(row).add(row, cluster_of(row));
-  std::span<const BinRow> bins(table.bins);
-  for (const HistogramRow& row : table.histograms) {
-    if (is_of(row, subset)) cell_of(row).add(bins.first(row.bins));
+  for (const ErrorSums& row : errors.sums)
+    if (is_of(row, subset)) add_sums(errors, row, subset, by_block ? row.block : cluster);
+  for (const EndedRow& row : errors.ended)
+    for (std::size_t a = 0; a < axes_.alignments; ++a)
+      if (is_of(row, subset) && (row.test > 0 || !leaves_training_out(errors.alignments[a])))
+        cell_of(row, a).add(row);
+  std::span<const BinRow> bins(errors.bins);
+  for (const HistogramRow& row : errors.histograms) {
+    if (is_of(row, subset)) cell_of(row, row.alignment).add(bins.first(row.bins));
     bins = bins.subspan(row.bins);
-  }
-  for (const PairRow& row : table.pairs)
-    if (is_of(row, subset)) add_pair(row, cluster_of(row));
-  for (const BodyRow& row : table.bodies) {
-    if (row.method != row.with) continue;
-    bodies_[2 * row.method].add(cluster_of(row), row.mpjpe_m, row.n);
-    bodies_[2 * row.method + 1].add(cluster_of(row), row.pa_mpjpe_m, row.pa_n);
   }
 }
 
-void ConditionErrors::add_pair(const PairRow& row, std::size_t cluster) {
+void ConditionErrors::add_sums(const TakeErrors& errors, const ErrorSums& row, Subset subset,
+                               std::size_t cluster) {
+  if (row.measure <= static_cast<std::uint32_t>(Measure::z)) {
+    cells_[place(axes_.group_of(row), row.method, row.alignment)].add(row, cluster);
+    return;
+  }
+  if (subset != Subset::all) return;
+  const auto measure = static_cast<Measure>(row.measure);
+  const bool is_angle = measure >= Measure::angle && measure <= Measure::true_motion_range;
+  const std::string angle = is_angle ? errors.quantities[row.quantity] : "";
+  if (is_angle && std::ranges::find(angles_, angle) == angles_.end()) angles_.push_back(angle);
+  others_[{angle, row.method, measure}].add(row, cluster);
+}
+
+const MeasureSums& ConditionErrors::other(const std::string& angle, std::size_t method,
+                                          Measure measure) const {
+  static const MeasureSums kNone;
+  const auto found = others_.find({angle, method, measure});
+  return found == others_.end() ? kNone : found->second;
+}
+
+void ConditionErrors::add_pair(const MethodPair& pair, const PairRow& row, std::size_t cluster) {
   const auto add = [&](std::size_t first, std::size_t second, double first_m, double second_m) {
     PairSums& sums = pairs_[place(axes_.group_of(row), first, second, row.alignment)];
     sums.n += row.n;
@@ -195,15 +247,15 @@ void ConditionErrors::add_pair(const PairRow& row, std::size_t cluster) {
     sums.difference_m.add(cluster, first_m - second_m, row.n);
     sums.second_m.add(cluster, second_m, row.n);
   };
-  add(row.first, row.second, row.first_m, row.second_m);
-  add(row.second, row.first, row.second_m, row.first_m);
+  add(pair.first, pair.second, row.first_m, row.second_m);
+  add(pair.second, pair.first, row.second_m, row.first_m);
 }
 
 ContrastEstimate ConditionErrors::mean_m(std::span<const std::size_t> groups, std::size_t method,
                                          std::size_t alignment) const {
   Contrast mean;
   for (const std::size_t g : groups)
-    mean.value.push_back(cell(g, method, alignment).length_m.ratio(cluster_count_, weight_of(groups)));
+    mean.value.push_back(cell(g, method, alignment).distance.sum.ratio(cluster_count_, weight_of(groups)));
   return solve_contrast(mean);
 }
 
@@ -221,18 +273,6 @@ MethodDifference ConditionErrors::difference(std::span<const std::size_t> groups
   difference.m = solve_contrast(m);
   difference.share = solve_contrast(share);
   return difference;
-}
-
-ContrastEstimate ConditionErrors::mpjpe_m(std::size_t method) const {
-  return solve_contrast({{bodies_[2 * method].ratio(cluster_count_)}, {}});
-}
-ContrastEstimate ConditionErrors::pa_mpjpe_m(std::size_t method) const {
-  return solve_contrast({{bodies_[2 * method + 1].ratio(cluster_count_)}, {}});
-}
-std::uint64_t ConditionErrors::bodies(std::size_t method) const {
-  double n = 0.0;
-  for (const double more : bodies_[2 * method].n) n += more;
-  return static_cast<std::uint64_t>(n);
 }
 
 StudyErrors::StudyErrors(std::span<const TakeTable> takes, const std::vector<std::string>& joints,

@@ -3,23 +3,33 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <map>
+#include <set>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "datasets/results/error_table.h"
 #include "datasets/results/summary.h"
+#include "datasets/results/take_errors.h"
 #include "evaluators/metrics/cluster_ratios.h"
 #include "pipeline/errors/movement.h"
+#include "pipeline/errors/pair_errors.h"
 
 namespace trilat {
 
 // A take that was evaluated, and the errors of its samples.
 struct TakeTable {
   std::string id, participant, activity;
-  ErrorTable errors;
+  TakeErrors errors;
+  std::filesystem::path samples = {};      // its take.h5
+  PairErrors pairs = {};                   // of the methods that are compared
   std::vector<MovementRow> movement = {};  // of nonlinear, where a claim of the paper asks for it
 };
+
+// Whether an alignment of that name counts the later part of a take alone, having learnt from the other.
+bool leaves_training_out(const std::string& alignment);
 
 // With fewer participants than this takes are the clusters of intervals.
 inline constexpr std::size_t kFewestParticipants = 3;
@@ -39,17 +49,27 @@ struct ClusterSums {
   WeightedRatio ratio(std::size_t clusters, double weight = 1.0) const;
 };
 
+// One measure.
+struct MeasureSums {
+  std::uint64_t n = 0;
+  double sum_abs = 0.0, largest = 0.0;
+  ClusterSums sum, squares, absolute;
+
+  void add(const ErrorSums& row, std::size_t cluster);
+  double total() const;
+  double total_squares() const;
+};
+
 // All samples of one group, method and alignment.
 struct CellSums {
   std::uint64_t asked = 0, answered = 0, iterations = 0;
-  std::array<std::uint64_t, kMostStatuses> statuses{};
-  double length_m2 = 0.0, largest_m = 0.0;
-  std::array<double, 3> absolute_m{};
-  ClusterSums length_m;
-  std::array<ClusterSums, 3> error_m, error_m2;  // along the world's axes, with their signs
+  std::array<std::uint64_t, kMaxStatuses> statuses{};
+  MeasureSums distance;
+  std::array<MeasureSums, 3> axes;
   std::vector<std::uint64_t> histogram;
 
-  void add(const ErrorRow& row, std::size_t cluster);
+  void add(const ErrorSums& row, std::size_t cluster);
+  void add(const EndedRow& row);
   void add(std::span<const BinRow> bins);
   void add_counts(const CellSums& more);  // what is asked and answered, and how it ended
   // Type 7 of Hyndman and Fan 1996, with the samples of a bin spread evenly over it.
@@ -101,7 +121,7 @@ class ConditionErrors {
   std::size_t cluster_count() const { return cluster_count_; }
 
   const CellSums& cell(std::size_t group, std::size_t method, std::size_t alignment) const;
-  // Empty for two methods that the tables do not compare.
+  // Two methods of pairs_of(): anything else is our bug.
   const PairSums& pair(std::size_t group, std::size_t first, std::size_t second, std::size_t alignment) const;
 
   // The plain mean of some groups' mean errors.
@@ -111,16 +131,17 @@ class ConditionErrors {
   MethodDifference difference(std::span<const std::size_t> groups, std::size_t first, std::size_t second,
                               std::size_t alignment) const;
 
-  // Whole bodies.
-  ContrastEstimate mpjpe_m(std::size_t method) const;
-  ContrastEstimate pa_mpjpe_m(std::size_t method) const;
-  std::uint64_t bodies(std::size_t method) const;
+  // Measures without joint group: of whole bodies, left-out sensors and angles, by the name of the angle. The
+  // number behind the last method is the truth.
+  const MeasureSums& other(const std::string& angle, std::size_t method, Measure measure) const;
+  const std::vector<std::string>& angles() const { return angles_; }
 
  private:
   std::size_t place(std::size_t group, std::size_t method, std::size_t alignment) const;
   std::size_t place(std::size_t group, std::size_t first, std::size_t second, std::size_t alignment) const;
-  void add(const ErrorTable& table, Subset subset, std::size_t cluster, bool by_block);
-  void add_pair(const PairRow& row, std::size_t cluster);
+  void add(const TakeErrors& errors, Subset subset, std::size_t cluster, bool by_block);
+  void add_sums(const TakeErrors& errors, const ErrorSums& row, Subset subset, std::size_t cluster);
+  void add_pair(const MethodPair& pair, const PairRow& row, std::size_t cluster);
 
   const TableAxes& axes_;
   std::vector<const TakeTable*> takes_;
@@ -128,8 +149,10 @@ class ConditionErrors {
   std::size_t cluster_count_ = 0;
   std::vector<CellSums> cells_;
   std::vector<PairSums> pairs_;
-  std::vector<ClusterSums> bodies_;  // by method: MPJPE, PA-MPJPE
+  std::map<std::tuple<std::string, std::size_t, Measure>, MeasureSums> others_;
+  std::vector<std::string> angles_;
   std::vector<std::size_t> groups_;
+  std::set<MethodPair> compared_;
 };
 
 // The errors of a study's takes, by condition. Keeps references to the takes and to `names`, whose methods,

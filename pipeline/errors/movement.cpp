@@ -30,8 +30,10 @@ MethodSamples read_samples(const StoredTake& take, std::size_t method) {
       const std::size_t slot = k * methods + method;
       const bool answers = is_usable(static_cast<SolveStatus>(block.status[slot]));
       all.truth_m.emplace_back(&block.truth_m[3 * k]);
-      all.estimate_m.push_back(answers ? Eigen::Vector3d(&block.estimate_m[3 * slot])
-                                       : Eigen::Vector3d::Constant(kNaN));
+      all.estimate_m.push_back(
+          answers
+              ? Eigen::Vector3d(Eigen::Map<const Eigen::Vector3f>(&block.estimate_m[3 * slot]).cast<double>())
+              : Eigen::Vector3d::Constant(kNaN));
     }
   }
   return all;
@@ -67,7 +69,7 @@ void add_halves(std::vector<ErrorAt> errors, std::span<MovementRow> blocks) {
 
 }  // namespace
 
-std::vector<MovementRow> movement_of(const StoredTake& take, const ErrorTable& table, std::size_t method,
+std::vector<MovementRow> movement_of(const StoredTake& take, const TakeErrors& table, std::size_t method,
                                      double rate_hz) {
   constexpr double kBeside_s = 1.0 / 15.0;
   const auto beside = static_cast<std::uint64_t>(std::max(1LL, std::llround(kBeside_s * rate_hz)));

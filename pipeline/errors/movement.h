@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/results/error_table.h"
 #include "datasets/results/stored_take.h"
 
 namespace trilat {
@@ -20,7 +19,7 @@ struct MovementRow {
 // A row a joint and block, from the samples of the first track and how `table` lays the method's under the
 // study's first alignment over the truth. Speeds are taken from the instants beside, accelerations from those
 // a fifteenth of a second away, so that a marker's noise of some tenths of a millimetre does not decide them.
-std::vector<MovementRow> movement_of(const StoredTake& take, const ErrorTable& table, std::size_t method,
+std::vector<MovementRow> movement_of(const StoredTake& take, const TakeErrors& table, std::size_t method,
                                      double rate_hz);
 
 }  // namespace trilat

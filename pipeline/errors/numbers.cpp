@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,26 +25,66 @@ constexpr std::array<std::pair<const char*, double>, 6> kQuantiles{
 
 double quotient(double sum, std::uint64_t n) { return n == 0 ? kNoNumber : sum / static_cast<double>(n); }
 
-double sum_of(const ClusterSums& sums) {
-  double sum = 0.0;
-  for (const double part : sums.sum) sum += part;
-  return sum;
+Agreement agreement_of(const MeasureSums& sums) {
+  std::vector<DifferenceSums> clusters;
+  for (std::size_t k = 0; k < sums.sum.n.size(); ++k)
+    clusters.push_back({sums.sum.n[k], sums.sum.sum[k], sums.squares.sum[k]});
+  return limits_of_agreement(clusters);
 }
 
-Agreement agreement_of(const CellSums& cell, std::size_t axis) {
-  std::vector<DifferenceSums> clusters;
-  for (std::size_t k = 0; k < cell.error_m[axis].n.size(); ++k)
-    clusters.push_back({cell.error_m[axis].n[k], cell.error_m[axis].sum[k], cell.error_m2[axis].sum[k]});
-  return limits_of_agreement(clusters);
+std::size_t place_of(const ResultsSummary& summary, const std::string& method) {
+  return static_cast<std::size_t>(std::ranges::find(summary.methods, method) - summary.methods.begin());
+}
+
+// The groups of each row: each alone, and, where there are several, all.
+std::vector<std::vector<std::size_t>> rows_of(const ConditionErrors& errors) {
+  std::vector<std::vector<std::size_t>> rows;
+  for (const std::size_t g : errors.groups()) rows.push_back({g});
+  if (rows.size() > 1) rows.push_back(errors.groups());
+  return rows;
+}
+
+bool is_of_set(const ResultsSummary& summary, std::size_t method) {
+  return std::ranges::any_of(summary.families, [&](const MethodFamily& family) {
+    return family.sensors > 1 && family.methods.size() > 1 &&
+           std::ranges::find(family.methods, summary.methods[method]) != family.methods.end();
+  });
+}
+
+// The methods that compete in some groups, the one that errs least first.
+std::vector<std::size_t> competitors(const ConditionErrors& errors, const std::vector<std::size_t>& groups,
+                                     const ResultsSummary& summary, std::size_t methods) {
+  constexpr double kCompetes = 0.95;  // of what it is asked: to answer the easy samples alone wins nothing
+  struct Competitor {
+    std::size_t method;
+    double mean_m, coverage;
+  };
+  std::vector<Competitor> all;
+  for (std::size_t m = 0; m < methods; ++m) {
+    CellSums counts;
+    for (const std::size_t g : groups) counts.add_counts(errors.cell(g, m, 0));
+    const double mean_m = errors.mean_m(groups, m, 0).value;
+    if (!std::isnan(mean_m) && !is_of_set(summary, m))
+      all.push_back({m, mean_m, quotient(static_cast<double>(counts.answered), counts.asked)});
+  }
+  const auto is_silent = [](const Competitor& c) { return !(c.coverage >= kCompetes); };
+  if (!std::ranges::all_of(all, is_silent)) std::erase_if(all, is_silent);
+  std::ranges::stable_sort(all, {}, &Competitor::mean_m);
+  std::vector<std::size_t> sorted;
+  for (const Competitor& c : all) sorted.push_back(c.method);
+  return sorted;
 }
 
 class StudyNumbers {
  public:
   StudyNumbers(const StudyErrors& errors, ResultsSummary& summary)
-      : errors_(errors), axes_(errors.axes()), summary_(summary), numbers_(summary.numbers) {}
+      : errors_(errors),
+        axes_(errors.axes()),
+        summary_(summary),
+        numbers_(summary.numbers),
+        reference_(place_of(summary, summary.reference)) {}
 
   void add() {
-    find_reference();
     for (const std::string& condition : summary_.conditions) add_condition(condition);
     for (const TakeTable& take : errors_.takes()) {
       add_take(take, Subset::all, take.activity);
@@ -50,26 +93,6 @@ class StudyNumbers {
   }
 
  private:
-  std::size_t place_of(const std::string& method) const {
-    return static_cast<std::size_t>(std::ranges::find(summary_.methods, method) - summary_.methods.begin());
-  }
-  void find_reference() {
-    reference_ = place_of(summary_.reference);
-    std::vector<bool> answers(axes_.methods);
-    for (const TakeTable& take : errors_.takes())
-      for (const ErrorRow& row : take.errors.errors)
-        if (row.answered > 0 && row.alignment == 0) answers[row.method] = true;
-    const auto first = std::ranges::find(answers, true);
-    if (answers[reference_] || first == answers.end()) return;
-    const std::string silent = summary_.reference;
-    reference_ = static_cast<std::size_t>(first - answers.begin());
-    summary_.reference = summary_.methods[reference_];
-    summary_.notes.push_back(
-        {"", false, "study \"" + summary_.study + "\" /reference",
-         fmt::format("\"{}\" answers nothing in any take; the others are compared with \"{}\"", silent,
-                     summary_.reference)});
-  }
-
   void add_condition(const std::string& condition) {
     const ConditionErrors errors = errors_.in(condition);
     summary_.clusters[condition] = errors.clusters();
@@ -84,17 +107,14 @@ class StudyNumbers {
     const bool is_whole_activity = std::ranges::any_of(
         errors_.takes(), [&](const TakeTable& take) { return take.activity == condition; });
     if (!is_whole_activity) return;
-    for (std::size_t m = 0; m < axes_.methods; ++m) add_bodies(errors, condition, m);
-    add_jerk_of_truth(errors, condition);
+    for (std::size_t m = 0; m < axes_.methods; ++m) {
+      add_bodies(errors, condition, m);
+      add_angles(errors, condition, m);
+    }
+    const MeasureSums& truth = errors.other("", axes_.methods, Measure::jerk);
+    add({.condition = condition}, "jerk", "mean_of_truth", quotient(truth.total(), truth.n), truth.n);
   }
 
-  // The groups of each row: each alone, and, where there are several, all.
-  static std::vector<std::vector<std::size_t>> rows_of(const ConditionErrors& errors) {
-    std::vector<std::vector<std::size_t>> rows;
-    for (const std::size_t g : errors.groups()) rows.push_back({g});
-    if (rows.size() > 1) rows.push_back(errors.groups());
-    return rows;
-  }
   std::string name_of_row(const std::vector<std::size_t>& groups) const {
     return groups.size() > 1 ? kAverageGroup : summary_.groups[groups.front()];
   }
@@ -136,16 +156,18 @@ class StudyNumbers {
   void add_statistics(const NumberKey& key, const CellSums& cell) {
     add(key, "iterations", "mean", quotient(static_cast<double>(cell.iterations), cell.asked), cell.asked);
     if (cell.answered == 0) return;
-    add(key, "distance", "rms", std::sqrt(quotient(cell.length_m2, cell.answered)), cell.answered);
+    add(key, "distance", "rms", std::sqrt(quotient(cell.distance.total_squares(), cell.answered)),
+        cell.answered);
     for (const auto& [name, q] : kQuantiles) add(key, "distance", name, cell.quantile_m(q), cell.answered);
-    add(key, "distance", "max", cell.largest_m, cell.answered);
+    add(key, "distance", "max", cell.distance.largest, cell.answered);
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
-      add(key, kAxes[axis], "mean_abs", quotient(cell.absolute_m[axis], cell.answered), cell.answered);
-      const Agreement agreement = agreement_of(cell, axis);
+      const MeasureSums& sums = cell.axes[axis];
+      add(key, kAxes[axis], "mean_abs", quotient(sums.sum_abs, sums.n), sums.n);
+      const Agreement agreement = agreement_of(sums);
       if (key.alignment == "none" || key.alignment == "mean")
-        add_agreement(key, kAxes[axis], agreement, cell.answered);
+        add_agreement(key, kAxes[axis], agreement, sums.n);
       else
-        add(key, kAxes[axis], "bias", agreement.bias, cell.answered);
+        add(key, kAxes[axis], "bias", agreement.bias, sums.n);
     }
   }
 
@@ -166,7 +188,7 @@ class StudyNumbers {
       std::uint64_t n = 0;
       for (const std::size_t g : groups) {
         const CellSums& cell = errors.cell(g, m, a);
-        sum_m += quotient(sum_of(cell.error_m[axis]), cell.answered);
+        sum_m += quotient(cell.axes[axis].total(), cell.answered);
         n += cell.answered;
       }
       add(key, kAxes[axis], "bias", quotient(sum_m, groups.size()), n);
@@ -181,29 +203,58 @@ class StudyNumbers {
                     e->p_value()});
   }
 
+  // A mean with its interval, of a size or of what may be below zero.
+  void add_mean(const ConditionErrors& errors, const NumberKey& key, const char* measure,
+                const char* statistic, const ClusterSums& sums, std::uint64_t n, bool is_size) {
+    const ContrastEstimate mean = solve_contrast({{sums.ratio(errors.cluster_count())}, {}});
+    add(key, measure, statistic, mean, is_size ? mean.low_of_size() : mean.low(), n);
+  }
+
   void add_bodies(const ConditionErrors& errors, const std::string& condition, std::size_t m) {
-    NumberKey key{.condition = condition, .method = summary_.methods[m]};
-    const ContrastEstimate mpjpe = errors.mpjpe_m(m), pa_mpjpe = errors.pa_mpjpe_m(m);
-    add(key, "pa_mpjpe", "mean", pa_mpjpe, pa_mpjpe.low_of_size(), errors.bodies(m));
-    double bone_sd_m = 0.0, jerk_m_s3 = 0.0;
-    std::uint64_t bones = 0, all_bones = 0, jerks = 0;
-    std::size_t alignment = 0;
-    for (const TakeTable* take : errors.takes()) {
-      alignment = take->errors.body_alignment;
-      for (const ShapeRow& shape : take->errors.shapes) {
-        if (shape.method != m) continue;
-        bones = std::max<std::uint64_t>(bones, shape.bones);
-        all_bones += shape.bones;
-        bone_sd_m += shape.bone_sd_m;
-        jerks += shape.jerks;
-        jerk_m_s3 += shape.jerk_m_s3;
+    const NumberKey key{.condition = condition, .method = summary_.methods[m]};
+    const std::size_t alignment = body_alignment();
+    const NumberKey aligned = key.with({.alignment = summary_.alignments[alignment]});
+    const auto sums = [&](Measure measure) -> const MeasureSums& { return errors.other("", m, measure); };
+    const MeasureSums &mpjpe = sums(Measure::mpjpe), &range = sums(Measure::range),
+                      &jerk = sums(Measure::jerk);
+    add_mean(errors, aligned, "mpjpe", "mean", mpjpe.sum, mpjpe.n, true);
+    add_mean(errors, key, "pa_mpjpe", "mean", sums(Measure::pa_mpjpe).sum, mpjpe.n, true);
+    add_mean(errors, key, "bone", "sd", sums(Measure::bone).sum, bones_of(errors, m), true);
+    add_mean(errors, key, "jerk", "mean", jerk.sum, jerk.n, true);
+    add_mean(errors, key, "range", "mean_abs", range.absolute, range.n, true);
+    add_mean(errors, key, "range", "bias", range.sum, range.n, false);
+    add_mean(errors, key, "bearing", "mean", sums(Measure::bearing).sum, range.n, true);
+    add_shares_within(aligned, errors, m, alignment);
+  }
+
+  std::size_t body_alignment() const {
+    const auto none = std::ranges::find(summary_.alignments, "none");
+    return none == summary_.alignments.end() ? 0
+                                             : static_cast<std::size_t>(none - summary_.alignments.begin());
+  }
+
+  // Bones of one take.
+  static std::uint64_t bones_of(const ConditionErrors& errors, std::size_t m) {
+    std::uint64_t bones = 0;
+    for (const TakeTable* take : errors.takes())
+      for (const ErrorSums& row : take->errors.sums)
+        if (row.is(Measure::bone) && row.method == m) bones = std::max<std::uint64_t>(bones, row.n);
+    return bones;
+  }
+
+  void add_angles(const ConditionErrors& errors, const std::string& condition, std::size_t m) {
+    for (const std::string& angle : errors.angles()) {
+      const NumberKey key{.condition = condition, .group = angle, .method = summary_.methods[m]};
+      const MeasureSums& error = errors.other(angle, m, Measure::angle);
+      add_mean(errors, key, "angle", "mean_abs", error.absolute, error.n, true);
+      add(key, "angle", "rms", std::sqrt(quotient(error.total_squares(), error.n)), error.n);
+      add_agreement(key, "angle", agreement_of(error), error.n);
+      for (const auto& [measure, statistic] : {std::pair{Measure::motion_range, "motion_range"},
+                                               {Measure::true_motion_range, "true_motion_range"}}) {
+        const MeasureSums& range = errors.other(angle, m, measure);
+        add(key, "angle", statistic, quotient(range.total(), range.n), range.n);
       }
     }
-    add(key, "bone", "sd", quotient(bone_sd_m, all_bones), bones);
-    add(key, "jerk", "mean", quotient(jerk_m_s3, jerks), jerks);
-    key.alignment = summary_.alignments[alignment];
-    add(key, "mpjpe", "mean", mpjpe, mpjpe.low_of_size(), errors.bodies(m));
-    add_shares_within(key, errors, m, alignment);
   }
 
   // Of all samples; one without an answer counts as not near.
@@ -219,17 +270,6 @@ class StudyNumbers {
     }
   }
 
-  void add_jerk_of_truth(const ConditionErrors& errors, const std::string& condition) {
-    double jerk_m_s3 = 0.0;
-    std::uint64_t jerks = 0;
-    for (const TakeTable* take : errors.takes())
-      for (const TruthRow& truth : take->errors.truth) {
-        jerks += truth.jerks;
-        jerk_m_s3 += truth.jerk_m_s3;
-      }
-    add({.condition = condition}, "jerk", "mean_of_truth", quotient(jerk_m_s3, jerks), jerks);
-  }
-
   // Each joint of one take, under the first alignment.
   void add_take(const TakeTable& take, Subset subset, const std::string& condition) {
     std::vector<TakeJointRow> rows;
@@ -237,16 +277,38 @@ class StudyNumbers {
     for (const std::string& joint : errors_.joints())
       for (const std::string& method : summary_.methods)
         rows.push_back({take.id, take.participant, condition, group_of(joint), joint, method});
-    for (const ErrorRow& row : take.errors.errors) {
-      if (row.subset != static_cast<std::uint32_t>(subset) || row.alignment != 0) continue;
-      const std::size_t k = axes_.joint_of(row) * axes_.methods + row.method;
-      rows[k].asked += row.asked();
-      rows[k].answered += row.answered;
-      length_m[k] += row.length_m;
-    }
+    const auto place = [&](const auto& row) { return axes_.joint_of(row) * axes_.methods + row.method; };
+    const auto is_of_subset = [&](const auto& row) {
+      return row.subset == static_cast<std::uint32_t>(subset);
+    };
+    for (const EndedRow& row : take.errors.ended)
+      if (is_of_subset(row) && (row.test > 0 || !leaves_training_out(summary_.alignments.front())))
+        rows[place(row)].asked += row.asked();
+    for (const ErrorSums& row : take.errors.sums)
+      if (is_of_subset(row) && row.is(Measure::distance) && row.alignment == 0) {
+        rows[place(row)].answered += row.n;
+        length_m[place(row)] += row.sum;
+      }
     for (std::size_t k = 0; k < rows.size(); ++k) {
       rows[k].mae_m = quotient(length_m[k], rows[k].answered);
       if (rows[k].asked > 0) trilat::add_row(rows[k], summary_);
+    }
+    if (subset == Subset::all) add_angles_of_take(take, condition);
+  }
+
+  // Mean error of each angle of one take, and the mean of the truth.
+  void add_angles_of_take(const TakeTable& take, const std::string& condition) {
+    for (const auto& [measure, statistic] :
+         {std::pair{Measure::angle, "bias"}, {Measure::true_angle, "mean_of_truth"}}) {
+      std::map<std::pair<std::uint32_t, std::uint32_t>, ErrorSums> sums;
+      for (const ErrorSums& row : take.errors.sums)
+        if (row.is(measure)) sums[{row.quantity, row.method}].add(row);
+      for (const auto& [of, sum] : sums)
+        add({.condition = condition,
+             .group = take.errors.quantities[of.first],
+             .method = summary_.methods[of.second],
+             .take = take.id},
+            "angle", statistic, quotient(sum.sum, sum.n), sum.n);
     }
   }
 
@@ -258,8 +320,8 @@ class StudyNumbers {
     for (const std::size_t g : errors.groups()) {
       ClusterSums sums;
       for (const std::string& method : family.methods) {
-        const CellSums& cell = errors.cell(g, place_of(method), 0);
-        sums.add(cell.length_m);
+        const CellSums& cell = errors.cell(g, place_of(summary_, method), 0);
+        sums.add(cell.distance.sum);
         counts.add_counts(cell);
       }
       mean.value.push_back(
@@ -275,16 +337,9 @@ class StudyNumbers {
         counts.asked);
   }
 
-  bool is_of_set(std::size_t method) const {
-    return std::ranges::any_of(summary_.families, [&](const MethodFamily& family) {
-      return family.sensors > 1 && family.methods.size() > 1 &&
-             std::ranges::find(family.methods, summary_.methods[method]) != family.methods.end();
-    });
-  }
-
   void add_best(const ConditionErrors& errors, const std::string& condition) {
     for (const auto& groups : rows_of(errors)) {
-      const std::vector<std::size_t> methods = competitors(errors, groups);
+      const std::vector<std::size_t> methods = competitors(errors, groups, summary_, axes_.methods);
       if (methods.empty()) continue;
       // The methods cannot be compared without an interval, so none is best.
       if (methods.size() > 1 && errors.mean_m(groups, methods.front(), 0).clusters < 2) continue;
@@ -298,38 +353,49 @@ class StudyNumbers {
     }
   }
 
-  // The methods that compete in some groups, the one that errs least first.
-  std::vector<std::size_t> competitors(const ConditionErrors& errors,
-                                       const std::vector<std::size_t>& groups) const {
-    constexpr double kCompetes = 0.95;  // of what it is asked: to answer the easy samples alone wins nothing
-    struct Competitor {
-      std::size_t method;
-      double mean_m, coverage;
-    };
-    std::vector<Competitor> all;
-    for (std::size_t m = 0; m < axes_.methods; ++m) {
-      CellSums counts;
-      for (const std::size_t g : groups) counts.add_counts(errors.cell(g, m, 0));
-      const double mean_m = errors.mean_m(groups, m, 0).value;
-      if (!std::isnan(mean_m) && !is_of_set(m))
-        all.push_back({m, mean_m, quotient(static_cast<double>(counts.answered), counts.asked)});
-    }
-    const auto is_silent = [](const Competitor& c) { return !(c.coverage >= kCompetes); };
-    if (!std::ranges::all_of(all, is_silent)) std::erase_if(all, is_silent);
-    std::ranges::stable_sort(all, {}, &Competitor::mean_m);
-    std::vector<std::size_t> methods;
-    for (const Competitor& c : all) methods.push_back(c.method);
-    return methods;
-  }
-
   const StudyErrors& errors_;
   const TableAxes& axes_;
   ResultsSummary& summary_;
   Numbers& numbers_;
-  std::size_t reference_ = 0;
+  const std::size_t reference_;
 };
 
 }  // namespace
+
+void set_reference(const StudyErrors& errors, ResultsSummary& summary) {
+  std::vector<bool> answers(errors.axes().methods);
+  for (const TakeTable& take : errors.takes())
+    for (const ErrorSums& row : take.errors.sums)
+      if (row.is(Measure::distance) && row.alignment == 0) answers[row.method] = true;
+  const auto first = std::ranges::find(answers, true);
+  if (answers[place_of(summary, summary.reference)] || first == answers.end()) return;
+  const std::string silent =
+      std::exchange(summary.reference, summary.methods[static_cast<std::size_t>(first - answers.begin())]);
+  summary.notes.push_back(
+      {"", false, "study \"" + summary.study + "\" /reference",
+       fmt::format("\"{}\" answers nothing in any take; the others are compared with \"{}\"", silent,
+                   summary.reference)});
+}
+
+std::vector<MethodPair> pairs_of(const StudyErrors& errors, const ResultsSummary& summary,
+                                 std::span<const std::string> more) {
+  std::set<std::size_t> against{place_of(summary, summary.reference)};
+  for (const std::string& condition : summary.conditions) {
+    const ConditionErrors in = errors.in(condition);
+    for (const auto& groups : rows_of(in))
+      if (const auto methods = competitors(in, groups, summary, summary.methods.size()); !methods.empty())
+        against.insert(methods.front());
+  }
+  for (const std::string& method : more)
+    if (place_of(summary, method) < summary.methods.size()) against.insert(place_of(summary, method));
+  std::set<MethodPair> pairs;
+  for (std::uint32_t m = 0; m < summary.methods.size(); ++m)
+    for (const std::size_t other : against)
+      if (m != other)
+        pairs.insert(
+            {std::min(m, static_cast<std::uint32_t>(other)), std::max(m, static_cast<std::uint32_t>(other))});
+  return {pairs.begin(), pairs.end()};
+}
 
 void add_numbers(const StudyErrors& errors, ResultsSummary& summary) { StudyNumbers(errors, summary).add(); }
 

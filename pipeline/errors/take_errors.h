@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "datasets/results/stored_take.h"
@@ -17,21 +16,19 @@ struct ErrorSettings {
   double training_share = 0.0;  // of a take's instants, at its start: what trained alignments learn from
   bool occluded_apart = false;  // whether samples that a sensor sees occluded are a subset of their own
   double rate_hz = 30.0;        // of the instants
-  // Methods, by number, that are compared on the samples that both answer; first < second.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs = {};
 
   // The place of the alignment that whole bodies are measured under: none when the study has it, else the
   // first.
   std::uint32_t body_alignment() const;
+  // The first instant that trained alignments do not learn from; 0 without any.
+  std::uint64_t training_end(std::uint64_t instants) const;
   std::string sha256() const;
 };
 
 // The instants of a block of time: five seconds; a twelfth of the take where that is longer.
 std::uint64_t block_instants(std::uint64_t instants, double rate_hz);
 
-// The errors of a take's samples. Both methods of a pair are aligned on the samples that both answer: one
-// that answers less would else be fitted to just these, and look better for it. Reads the file three times,
-// from memory where its samples are below 64 MB.
-ErrorTable errors_of(const StoredTake& take, const ErrorSettings& settings);
+// The errors of a take's samples. Reads the file three times, from memory where its samples are below 64 MB.
+TakeErrors errors_of(const StoredTake& take, const ErrorSettings& settings);
 
 }  // namespace trilat

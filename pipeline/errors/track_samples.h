@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "datasets/results/error_table.h"
 #include "datasets/results/stored_take.h"
+#include "datasets/results/take_errors.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
@@ -45,9 +45,10 @@ struct Window {
   Eigen::Map<const Eigen::Vector3d> truth_m(std::uint64_t i, std::size_t j) const {
     return Eigen::Map<const Eigen::Vector3d>(&block.truth_m[place(i, j) * 3]);
   }
-  Eigen::Map<const Eigen::Vector3d> estimate_m(std::size_t slot) const {
-    return Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[slot * 3]);
+  Eigen::Vector3d estimate_m(std::size_t slot) const {
+    return Eigen::Map<const Eigen::Vector3f>(&block.estimate_m[slot * 3]).cast<double>();
   }
+  bool has_truth(std::uint64_t i, std::size_t j) const { return truth_m(i, j).allFinite(); }
   SolveStatus status(std::size_t slot) const { return static_cast<SolveStatus>(block.status[slot]); }
 };
 
@@ -63,10 +64,10 @@ class Windows {
   Windows(const StoredTake& take, std::size_t track, std::uint64_t of_block, std::uint64_t margin)
       : take_(take), track_(track), of_block_(of_block), margin_(margin) {
     const TakeHead& head = take.head();
-    if (head.instants * head.joints.size() * head.methods.size() * sizeof(double) * 4 <= kInMemoryBytes)
+    if (head.instants * head.joints.size() * head.methods.size() * sizeof(float) * 4 <= kInMemoryBytes)
       whole_ = take.read(track, 0, head.instants, SampleColumns::errors);
     const std::size_t bytes =
-        std::max<std::size_t>(1, head.joints.size() * head.methods.size()) * 3 * sizeof(double);
+        std::max<std::size_t>(1, head.joints.size() * head.methods.size()) * 3 * sizeof(float);
     together_ = whole_ ? std::max<std::uint64_t>(kFewest, kNear / bytes) : kRead;
   }
   // Calls visit(window) in the order of time, and end_block(number) behind each block of time.
@@ -103,12 +104,12 @@ class Windows {
 inline constexpr std::size_t kParts = 2;
 constexpr bool is_part_of(std::size_t part, Subset subset) { return subset == Subset::all || part == 1; }
 
-// The samples of a track: which are asked, of which part each is, who answers, and how the truth moves. A
-// sample is asked where its truth is known.
+// The samples of a track: which are asked, of which part each is, and who answers. A sample is asked where
+// its truth is known.
 class SampleMarks {
  public:
-  // Reads the samples once. Windows hold two instants on either side.
-  SampleMarks(const Windows& windows, const TakeHead& head, double rate_hz);
+  // Reads the samples once.
+  SampleMarks(const Windows& windows, const TakeHead& head);
 
   std::size_t place(std::uint64_t instant, std::size_t joint) const { return joint * instants_ + instant; }
   bool is_asked(std::uint64_t instant, std::size_t joint) const {
@@ -118,16 +119,13 @@ class SampleMarks {
     return marks_[place(instant, joint)] >> 1U;
   }
   const std::vector<SampleSet>& answered() const { return answered_; }  // by method, over place()
-  const std::vector<TruthRow>& truth() const { return truth_; }         // by joint
 
  private:
   static constexpr std::uint8_t kAsked = 1, kOccluded = 2;
-  void add_jerk(const Window& w, std::uint64_t i, std::size_t j, double rate_hz);
 
   std::uint64_t instants_;
   std::vector<std::uint8_t> marks_;  // by joint and instant
   std::vector<SampleSet> answered_;
-  std::vector<TruthRow> truth_;
 };
 
 }  // namespace trilat

@@ -37,8 +37,9 @@ class TakeErrorsReader {
     if (!is_answer_[block_.status[at]] || laid_over == laid_over_.end() ||
         block_.first_instant + in_block < laid_over->second.first_instant)
       return std::nullopt;
-    const Eigen::Map<const Eigen::Vector3d> estimate_m(&block_.estimate_m[3 * at]),
-        truth_m(&block_.truth_m[3 * at_joint]);
+    const Eigen::Vector3d estimate_m =
+        Eigen::Map<const Eigen::Vector3f>(&block_.estimate_m[3 * at]).cast<double>();
+    const Eigen::Map<const Eigen::Vector3d> truth_m(&block_.truth_m[3 * at_joint]);
     const double error_m =
         (laid_over->second.aligned_m(estimate_m, block_.heading_rad[in_block]) - truth_m).norm();
     return std::isfinite(error_m) ? std::optional(error_m) : std::nullopt;

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NEWEST_SUMMARY = 11
 NEWEST_MANIFEST = 2
-NEWEST_TAKE = 3
+NEWEST_TAKE = 4
 ANSWERS = ("converged", "closed_form", "clamped", "given")
 AXES = "xyz"
 
@@ -105,7 +105,7 @@ class Results:
             return np.broadcast_to(np.expand_dims(values, tuple({0, 1, 2} - {axis})), shape).ravel()
 
         truth_m = np.broadcast_to(group["truth_m"][:][:, :, None], (*shape, 3)).reshape(-1, 3)
-        estimate_m = group["estimate_m"][:].reshape(-1, 3)
+        estimate_m = group["estimate_m"][:].astype(float).reshape(-1, 3)
         error_m = self._errors_of(file, track).reshape(-1, 3)
         columns = {"take": np.full(len(truth_m), take), "condition": np.full(len(truth_m), _text(file.attrs["condition"])),
                    "track": np.full(len(truth_m), _text(file.attrs["tracks"][track])),
@@ -120,7 +120,7 @@ class Results:
     def _errors_of(self, file: h5py.File, track: int) -> np.ndarray:
         """estimate - truth after the first alignment, instants x joints x methods x 3; NaN where nothing is answered."""
         group = file[f"samples/{track}"]
-        estimate_m = group["estimate_m"][:]
+        estimate_m = group["estimate_m"][:].astype(float)
         answered = np.isin(np.array(self._statuses)[group["status"][:]], ANSWERS)
         aligned_m = np.full_like(estimate_m, np.nan)
         for row in _rows(file["errors/laid_over"]):
@@ -138,25 +138,24 @@ class Results:
         return aligned_m - group["truth_m"][:][:, :, None]
 
     def errors(self, take: str | None = None) -> "pandas.DataFrame":
-        """The table of errors that all tables are sums of: one row a take, track, block of time, joint, method,
-        alignment and subset of samples (datasets/FORMATS.md), with counts by status and sums of the errors in metres."""
+        """The sums that all numbers are made of: one row a take, track, block of time, quantity (a joint, the body, an angle),
+        method, alignment, subset of samples and measure (datasets/FORMATS.md), with n, sum, sum_abs, sum_squares and largest in
+        SI units. Alignment "": before any; method "truth": the truth itself."""
         pandas = _pandas()
         parts = []
         for name, file in self._files(take):
-            group = file["errors/errors"]
+            group = file["errors/sums"]
             table = pandas.DataFrame({**_columns(group, "counts"), **_columns(group, "sums")})
-            table = table.rename(columns={f"statuses_{k}": status for k, status in enumerate(self._statuses)})
-            table = table.drop(columns=[key for key in table if key.startswith("statuses_")])
-            tracks = np.array([_text(text) for text in file.attrs["tracks"]])
-            table.insert(0, "track", tracks[table["quantity"] // len(self.joints)])
-            table["quantity"] %= len(self.joints)
-            for key, names in (("method", self.methods), ("quantity", self.joints)):
-                table[key] = np.array(names)[table[key]]
-            for key in ("alignment", "subset"):
-                table[key] = np.array([_text(text) for text in file["errors"].attrs[f"{key}s"]])[table[key]]
+            names = {key: np.array([_text(text) for text in file["errors"].attrs[key]])
+                     for key in ("alignments", "quantities", "subsets", "measures")}
+            tracks = np.array([*(_text(text) for text in file.attrs["tracks"]), ""])
+            table.insert(0, "track", tracks[np.minimum(table["quantity"] // len(self.joints), len(tracks) - 1)])
+            for key, values in (("method", [*self.methods, "truth"]), ("alignment", [*names["alignments"], ""]),
+                                ("quantity", names["quantities"]), ("subset", names["subsets"]), ("measure", names["measures"])):
+                table[key] = np.array(values)[table[key]]
             table.insert(0, "take", name)
             table.insert(1, "condition", _text(file.attrs["condition"]))
-            parts.append(table.rename(columns={"quantity": "joint"}))
+            parts.append(table)
         return pandas.concat(parts, ignore_index=True)
 
     def tables(self) -> "dict[str, pandas.DataFrame]":

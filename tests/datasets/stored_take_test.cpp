@@ -27,7 +27,15 @@ TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
 }
 
 TakeHead small_head() {
-  return {"one", "walking", 10, {"head", "neck"}, {"mean", "nonlinear", "linear"}, {"k1", "k2"}, {"a", "b"}};
+  return {"one",
+          "walking",
+          10,
+          {"head", "neck"},
+          {"mean", "nonlinear", "linear"},
+          {"k1", "k2"},
+          {"a", "b"},
+          true,
+          {{0.1, 0.2, 0.3}, {1.0, 2.0, 3.0}}};
 }
 
 SampleBlock block_of(std::uint64_t first, std::uint64_t count) {
@@ -35,7 +43,7 @@ SampleBlock block_of(std::uint64_t first, std::uint64_t count) {
   block.reset(first, count, 2, 3);
   for (std::uint64_t i = 0; i < count; ++i) block.time_ns[i] = static_cast<std::int64_t>(first + i);
   for (std::size_t i = 0; i < block.estimate_m.size(); ++i)
-    block.estimate_m[i] = static_cast<double>(first * 18 + i) / 7.0;
+    block.estimate_m[i] = static_cast<float>(first * 18 + i) / 7.0F;
   for (std::size_t i = 0; i < block.status.size(); ++i) block.status[i] = static_cast<std::uint8_t>(i % 2);
   return block;
 }
@@ -69,28 +77,28 @@ Row placed_row() {
   if constexpr (requires { row.method; }) row.method = 2;
   if constexpr (requires { row.alignment; }) row.alignment = 0;
   if constexpr (requires { row.subset; }) row.subset = 1;
-  if constexpr (requires { row.second; }) row.first = 0, row.second = 2;
-  if constexpr (requires { row.with; }) row.with = 1;
+  if constexpr (requires { row.measure; }) row.measure = 1;
+  if constexpr (requires { row.test; }) row.test = 1;
   return row;
 }
 
-ErrorTable small_table() {
-  ErrorTable table;
+TakeErrors small_table() {
+  TakeErrors table;
   table.settings_sha256 = "00ff";
   table.alignments = {"mean"};
+  table.quantities = {"head", "neck", "head", "neck", "body"};
   table.laid_over = {placed_row<AlignmentRow>(), {}};
-  table.errors = {placed_row<ErrorRow>()};
-  table.pairs = {placed_row<PairRow>()};
+  table.sums = {placed_row<ErrorSums>()};
+  table.sums[0].method = 3;     // the truth
+  table.sums[0].alignment = 1;  // before any
+  table.ended = {};             // an empty table comes back empty
   table.histograms = {placed_row<HistogramRow>()};
   table.bins.resize(table.histograms[0].bins, placed_row<BinRow>());
-  table.bodies = {placed_row<BodyRow>()};
-  table.shapes = {placed_row<ShapeRow>()};
-  table.truth = {};  // an empty table comes back empty
   return table;
 }
 
 void write_all(const std::filesystem::path& path, const std::vector<std::uint64_t>& order,
-               const ErrorTable& table = small_table()) {
+               const TakeErrors& table = small_table()) {
   StoredTake take = StoredTake::create(path, small_head());
   for (std::uint64_t first : order)
     for (std::size_t track = 0; track < 2; ++track) take.write(track, block_of(first, 2));
@@ -115,17 +123,17 @@ TEST(StoredTake, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(block.time_ns, (std::vector<std::int64_t>{3, 4, 5, 6}));
   EXPECT_EQ(block.estimate_m[18], block_of(4, 2).estimate_m[0]);
   EXPECT_TRUE(std::isnan(block.truth_m[0]));
-  const ErrorTable there = take.read_errors(), wanted = small_table();
+  const TakeErrors there = take.read_errors(), wanted = small_table();
   EXPECT_EQ(there.settings_sha256, wanted.settings_sha256);
   EXPECT_EQ(there.alignments, wanted.alignments);
   EXPECT_EQ(text_of(there.laid_over), text_of(wanted.laid_over));
-  EXPECT_EQ(text_of(there.errors), text_of(wanted.errors));
-  EXPECT_EQ(text_of(there.pairs), text_of(wanted.pairs));
+  EXPECT_EQ(there.quantities, wanted.quantities);
+  EXPECT_EQ(text_of(there.sums), text_of(wanted.sums));
   EXPECT_EQ(text_of(there.histograms), text_of(wanted.histograms));
   EXPECT_EQ(text_of(there.bins), text_of(wanted.bins));
-  EXPECT_EQ(text_of(there.bodies), text_of(wanted.bodies));
-  EXPECT_EQ(text_of(there.shapes), text_of(wanted.shapes));
-  EXPECT_TRUE(there.truth.empty());
+  EXPECT_TRUE(there.ended.empty());
+  EXPECT_EQ(take.head().track_position_m, small_head().track_position_m);
+  EXPECT_TRUE(take.head().is_upright);
 }
 
 TEST(StoredTake, TimesAndStatusesThatNobodyWritesAreRefused) {
@@ -144,11 +152,19 @@ TEST(StoredTake, TimesAndStatusesThatNobodyWritesAreRefused) {
 
 TEST(StoredTake, RowsOfWhatTheTakeHasNotAreRefused) {
   const ScratchFolder folder;
-  ErrorTable table = small_table();
-  table.pairs[0].second = 3;
-  write_all(folder / "pairs.h5", {0}, table);
-  EXPECT_THAT(message_of([&] { StoredTake::open(folder / "pairs.h5").read_errors(); }), HasSubstr("pairs"));
-  table = small_table();
+  const auto refused = [&](const auto& change, const char* what) {
+    TakeErrors table = small_table();
+    change(table);
+    write_all(folder / "wrong.h5", {0}, table);
+    EXPECT_THAT(message_of([&] { StoredTake::open(folder / "wrong.h5").read_errors(); }), HasSubstr(what));
+  };
+  refused([](TakeErrors& t) { t.sums[0].method = 4; }, "sums: has a row of");
+  refused([](TakeErrors& t) { t.sums[0].alignment = 2; }, "sums: has a row of");
+  refused([](TakeErrors& t) { t.sums[0].measure = kMeasureNames.size(); }, "sums: has a row of");
+  refused([](TakeErrors& t) { t.histograms[0].method = 3; }, "histograms: has a row of");
+  refused([](TakeErrors& t) { t.laid_over[0].quantity = 5; }, "laid_over: has a row of");
+  refused([](TakeErrors& t) { t.quantities.resize(3); }, "names fewer quantities");
+  TakeErrors table = small_table();
   table.bins[0].bin = kLastBin + 1;
   write_all(folder / "bins.h5", {0}, table);
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "bins.h5").read_errors(); }), HasSubstr("bins"));
@@ -171,7 +187,7 @@ TEST(StoredTake, OtherFilesAreRefusedWithTheReason) {
   file.set_integer("version", 99);
   file.close();
   EXPECT_THAT(message_of([&] { StoredTake::open(folder / "newer.h5"); }),
-              HasSubstr("newer.h5: is another version; this program reads version 3"));
+              HasSubstr("newer.h5: is another version; this program reads version 4"));
   write_all(folder / "whole.h5", {0, 2, 4, 6, 8});
   const std::string bytes = read_file(folder / "whole.h5");
   for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 23) {

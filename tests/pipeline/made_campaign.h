@@ -40,6 +40,7 @@ struct MadeStudy {
       const AnswersOf& answers = [](std::uint32_t) { return kSamples; }) {
     TakeTable& take = takes.emplace_back(TakeTable{participant + "-" + activity, participant, activity, {}});
     take.errors.alignments = names.alignments;
+    take.errors.quantities = joints;
     for (std::uint32_t j = 0; j < joints.size(); ++j) {
       for (std::uint32_t m = 0; m < names.methods.size(); ++m)
         for (const Subset subset : {Subset::all, Subset::occluded})
@@ -47,7 +48,7 @@ struct MadeStudy {
       for (std::uint32_t b = 0; b < names.methods.size(); ++b)
         for (std::uint32_t a = 0; a < b; ++a)
           for (const Subset subset : {Subset::all, Subset::occluded})
-            add_pair(take.errors, j, a, b, subset, std::min(answers(a), answers(b)), error_m);
+            add_pair(take.pairs, j, a, b, subset, std::min(answers(a), answers(b)), error_m);
       const double nonlinear_m = error_m(j, 0, Subset::all);  // the first method
       constexpr std::uint32_t kHalf = kSamples / 2;
       const double of_take = takes.size() % 2 == 0 ? 0.99 : 1.01;  // people differ
@@ -65,25 +66,30 @@ struct MadeStudy {
   std::vector<ClaimNumber> claims() const { return claims_of(StudyErrors(takes, joints, names)); }
 
  private:
-  static void add_errors(ErrorTable& table, std::uint32_t j, std::uint32_t m, Subset subset, std::uint32_t n,
+  static void add_errors(TakeErrors& table, std::uint32_t j, std::uint32_t m, Subset subset, std::uint32_t n,
                          double error_m) {
-    ErrorRow row{0, j, m, 0, static_cast<std::uint32_t>(subset), n};
-    row.statuses[0] = n;
-    row.statuses[1] = kSamples - n;
-    row.length_m = n * error_m;
-    row.largest_m = error_m;
-    row.absolute_m[1] = n * 0.5 * error_m;
-    row.largest_axis_m[1] = error_m;
-    table.errors.push_back(row);
+    const auto of = static_cast<std::uint32_t>(subset);
+    EndedRow ended{j, m, of, 1};
+    ended.statuses = {n, kSamples - n};
+    table.ended.push_back(ended);
+    if (n == 0) return;
+    ErrorSums sums{0, j, m, 0, of, static_cast<std::uint32_t>(Measure::distance), n};
+    sums.sum = sums.sum_abs = n * error_m;
+    sums.largest = error_m;
+    table.sums.push_back(sums);
+    sums.measure = static_cast<std::uint32_t>(Measure::y);
+    sums.sum_abs = n * 0.5 * error_m;
+    table.sums.push_back(sums);
     if (subset != Subset::all || n == 0) return;
     table.histograms.push_back({j, m, 0, 0, 1});
     table.bins.push_back({static_cast<std::uint32_t>(error_m / kBin_m), n});
   }
-  static void add_pair(ErrorTable& table, std::uint32_t j, std::uint32_t a, std::uint32_t b, Subset subset,
+  static void add_pair(PairErrors& pairs, std::uint32_t j, std::uint32_t a, std::uint32_t b, Subset subset,
                        std::uint32_t n, const ErrorOf& error_m) {
+    std::vector<PairRow>& rows = pairs[{a, b}];
     if (n > 0)
-      table.pairs.push_back({0, j, a, b, 0, static_cast<std::uint32_t>(subset), n, n * error_m(j, a, subset),
-                             n * error_m(j, b, subset)});
+      rows.push_back({0, j, 0, static_cast<std::uint32_t>(subset), n, n * error_m(j, a, subset),
+                      n * error_m(j, b, subset)});
   }
 };
 

@@ -31,9 +31,9 @@ StoredTake take_in(const ScratchFolder& folder) {
       block.time_ns[i] = static_cast<std::int64_t>(i);
       block.truth_m[3 * i] = truth_x_m(i);
       block.truth_m[3 * i + 1] = block.truth_m[3 * i + 2] = 0.0;
-      block.estimate_m[3 * i] = truth_x_m(i);
-      block.estimate_m[3 * i + 1] = i <= kStarts ? 0.01 : 0.03;
-      block.estimate_m[3 * i + 2] = 0.0;
+      block.estimate_m[3 * i] = static_cast<float>(truth_x_m(i));
+      block.estimate_m[3 * i + 1] = i <= kStarts ? 0.01F : 0.03F;
+      block.estimate_m[3 * i + 2] = 0.0F;
       block.status[i] = static_cast<std::uint8_t>(SolveStatus::converged);
     }
     take.write(0, block);
@@ -46,7 +46,7 @@ StoredTake take_in(const ScratchFolder& folder) {
 // smaller are those up to the start.
 TEST(Movement, HalvesAndSpeedsByPencil) {
   const ScratchFolder folder;
-  ErrorTable table;
+  TakeErrors table;
   table.laid_over = {{}};
   const std::vector<MovementRow> rows = movement_of(take_in(folder), table, 0, kMovedRate_hz);
   ASSERT_EQ(rows.size(), 1u);
@@ -60,7 +60,7 @@ TEST(Movement, HalvesAndSpeedsByPencil) {
 
 TEST(Movement, ErrorsAreThoseOfTheStudysFirstAlignment) {
   const ScratchFolder folder;
-  ErrorTable table;
+  TakeErrors table;
   table.laid_over = {{}};
   table.laid_over[0].shift_m = {0.0, -0.01, 0.0};
   const MovementRow row = movement_of(take_in(folder), table, 0, kMovedRate_hz).at(0);

@@ -228,49 +228,6 @@ TEST(Statistics, BlocksAreFiveSecondsOrATwelfthOfTheTake) {
   EXPECT_EQ(block_instants(10, 0.1), 1u);
 }
 
-// Positions of a joint that one method gives, less the truth, where another method answers, too.
-std::vector<Eigen::Vector3d> errors_on_both(const SampleBlock& block, const TakeHead& head, std::size_t j,
-                                            std::size_t of, std::size_t with) {
-  std::vector<Eigen::Vector3d> errors_m;
-  for (std::uint64_t i = 0; i < block.instants; ++i) {
-    const std::size_t place = i * head.joints.size() + j, first = place * head.methods.size();
-    const Eigen::Map<const Eigen::Vector3d> truth_m(&block.truth_m[3 * place]);
-    const auto answers = [&](std::size_t m) {
-      return is_usable(static_cast<SolveStatus>(block.status[first + m]));
-    };
-    if (truth_m.allFinite() && answers(of) && answers(with))
-      errors_m.push_back(Eigen::Map<const Eigen::Vector3d>(&block.estimate_m[3 * (first + of)]) - truth_m);
-  }
-  return errors_m;
-}
-
-// By definition both methods of a pair are aligned on the samples that both answer.
-TEST(Statistics, PairsAreAlignedOnTheSamplesThatBothAnswer) {
-  Evaluated evaluated;
-  const StudySpec study = study_of(R"("alignments": ["mean"], "methods": [{"method": "nonlinear"},
-      {"method": "nonlinear", "name": "sparse", "max_iterations": 5}, {"method": "mean"}])");
-  const Campaign campaign = simulate_into(evaluated.folder / "campaign", walking_spec(1, 4.0));
-  execute_study(study, campaign, evaluated.folder / "results", {});
-  const StoredTake take = open_take(result_takes(evaluated.folder / "results").at(0));
-  const SampleBlock block = take.read(0, 0, take.head().instants, SampleColumns::all);
-  const auto sum_m = [](const std::vector<Eigen::Vector3d>& errors_m) {
-    Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
-    for (const auto& e : errors_m) mean_m += e / static_cast<double>(errors_m.size());
-    double sum = 0.0;
-    for (const auto& e : errors_m) sum += (e - mean_m).norm();
-    return sum;
-  };
-  const std::vector<PairRow> pairs = take.read_errors().pairs;
-  EXPECT_GT(pairs.size(), 2 * take.head().joints.size());  // one block of time
-  for (const PairRow& pair : pairs) {
-    const auto first_m = errors_on_both(block, take.head(), pair.quantity, pair.first, pair.second);
-    const auto second_m = errors_on_both(block, take.head(), pair.quantity, pair.second, pair.first);
-    EXPECT_EQ(pair.n, first_m.size());
-    EXPECT_NEAR(pair.first_m, sum_m(first_m), 1e-9) << pair.quantity << pair.first << pair.second;
-    EXPECT_NEAR(pair.second_m, sum_m(second_m), 1e-9) << pair.quantity << pair.first << pair.second;
-  }
-}
-
 // With a single take its blocks of time are the clusters: they tell methods apart and give intervals.
 TEST(Statistics, MethodsOfASingleTakeAreMarked) {
   Evaluated evaluated;

@@ -75,11 +75,9 @@ class Door(Opened):
         call("init", own.parent)
         results = trilat.run(own.parent / "study.json", campaign=own.parent, output=self.folder / "ntu_results")
         self.assertEqual(results.summary["truth"], "left_out_sensor")
-        rows = json.loads((self.folder / "ntu_results/tracking.json").read_text())["predictions"]
-        mean = next(row for row in rows if row["method"] == "mean")
-        self.assertEqual(mean["condition"], "swing")
-        self.assertTrue(0.01 < mean["bearing_m"][0] < 0.15 and mean["n"] > 1000, mean)
-        self.assertTrue(0.0 < mean["bone_m"][0] < 0.1 < mean["jerk_m_s3"][0], mean)
+        mean = {row["measure"]: row for row in trilat.numbers(self.folder / "ntu_results", condition="swing", method="mean", group="")}
+        self.assertTrue(0.01 < mean["bearing"]["value"] < 0.15 and mean["bearing"]["n"] > 1000, mean)
+        self.assertTrue(0.0 < mean["bone"]["value"] < 0.1 < mean["jerk"]["value"], mean)
         columns = results.columns()
         errors_m = {track: np.nanmean(columns["error_m"][(columns["track"] == track) & (columns["method"] == "mean")]) for track in ("C001", "C002")}
         self.assertTrue(0.0 < errors_m["C001"] != errors_m["C002"] > 0.0, errors_m)
@@ -269,13 +267,15 @@ class Frames(Opened):
 
     def test_sums_of_the_table_of_errors_are_the_numbers_of_the_tables(self):
         errors = self.results.errors()
-        rows = errors[(errors.method == "mean") & (errors.alignment == "none") & (errors.subset == "all")
-                      & errors.joint.isin(["wrist_left", "wrist_right"])]
+        rows = errors[(errors.method == "mean") & (errors.alignment == "none") & (errors.subset == "all") & (errors.measure == "distance")
+                      & errors.quantity.isin(["wrist_left", "wrist_right"])]
         (mean,) = self.errors_of_the_wrists()
-        (ended,) = trilat.numbers(self.results.folder, method="mean", group="wrist", alignment="none", statistic="closed_form")
-        self.assertAlmostEqual(rows.length_m.sum() / rows.answered.sum(), mean["value"], 12)
-        self.assertEqual(rows.closed_form.sum(), ended["n"])
-        self.assertEqual(rows.answered.sum(), mean["n"])
+        self.assertAlmostEqual(rows["sum"].sum() / rows.n.sum(), mean["value"], 12)
+        self.assertEqual(rows.n.sum(), mean["n"])
+        (jerk,) = trilat.numbers(self.results.folder, measure="jerk", statistic="mean_of_truth")
+        rows = errors[(errors.method == "truth") & (errors.measure == "jerk")]
+        self.assertEqual((set(rows.quantity), set(rows.alignment)), ({"body"}, {""}))
+        self.assertAlmostEqual(rows["sum"].sum() / rows.n.sum(), jerk["value"], 9)
 
     def test_tables_and_timelines(self):
         samples = self.results.samples("p01-walking")

@@ -194,10 +194,10 @@ class RealTest(unittest.TestCase):
                          [(f"p2-{name}", "p2", name) for name in ("standing", "steps", "walking")])
         results = trilat.run(self.folder / "study.json", campaign=self.folder, output=self.folder / "results")
         self.assertEqual(results.summary["truth"], "left_out_sensor")
-        rows = json.loads((self.folder / "results/tracking.json").read_text())["predictions"]
-        by_method = {row["method"]: row for row in rows if row["condition"] == "walking"}
-        self.assertLess(by_method["mean"]["bearing_m"][0], 0.15)
-        self.assertLess(by_method["window"]["bone_m"][0], 0.3 * by_method["mean"]["bone_m"][0])
+        bearing, bone = ({row["method"]: row["value"] for row in trilat.numbers(results.folder, condition="walking", measure=measure)}
+                         for measure in ("bearing", "bone"))
+        self.assertLess(bearing["mean"], 0.15)
+        self.assertLess(bone["window"], 0.3 * bone["mean"])
         cut = self.folder / "cut.csv"
         cut.write_text("\n".join(file.read_text().split("\n")[:400]) + "\n2, 2, 1, 635")
         self.assertIn("1 rows are torn and left out; first: " + str(cut), self.converted("kinectmultitrack", cut, "-o", self.folder / "cut", code=1))

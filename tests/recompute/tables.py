@@ -88,9 +88,8 @@ def cell_of(takes, m, joints, errors_m, parts):
     error_m = np.concatenate([e[:, joints][c] for e, c in zip(errors_m, counted)])
     length_m, n = np.linalg.norm(error_m, axis=1), sum(int(part.sum()) for part in asked)
     ended = collections.Counter()
-    for s, part, c in zip(takes, asked, counted):
-        status = np.where(np.isin(s.status[:, joints, m], ANSWERS) & ~c, "not_solved", s.status[:, joints, m])  # no alignment was found
-        ended.update(status[part])
+    for s, part in zip(takes, asked):
+        ended.update(s.status[:, joints, m][part])
     quantiles_m = np.quantile(length_m, [0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0]) if len(length_m) else 7 * [np.nan]
     iterations = sum(int(s.iterations[:, joints, m][part].astype(np.int64).sum()) for s, part in zip(takes, asked))
     statistics = {("distance", "rms"): np.sqrt(mean_of(length_m**2)), ("iterations", "mean"): iterations / n if n else np.nan,
@@ -124,6 +123,13 @@ def limits_of(takes, errors_m, parts, joints, axis):
     clusters = [values for values in (d[np.isfinite(d)] for d in differences) if len(values)]
     if not clusters:
         return {"sd": np.nan, "lower_limit": np.nan, "upper_limit": np.nan}
+    sd, bias = spread_of(clusters), np.concatenate(clusters).mean()
+    return {"sd": sd, "lower_limit": bias - 1.96 * sd, "upper_limit": bias + 1.96 * sd}
+
+
+def spread_of(clusters):
+    """Standard deviation of a single difference of any cluster."""
+    clusters = [c for c in clusters if len(c)]
     sizes, everything, k = np.array([len(c) for c in clusters]), np.concatenate(clusters), len(clusters)
     n, bias = len(everything), everything.mean()
     within = sum(((c - c.mean())**2).sum() for c in clusters) / (n - k) if n > k else 0.0
@@ -131,8 +137,7 @@ def limits_of(takes, errors_m, parts, joints, axis):
     if k > 1:
         mean_square = sum(len(c) * (c.mean() - bias)**2 for c in clusters) / (k - 1)
         between = max(0.0, (mean_square - within) / ((n**2 - (sizes**2).sum()) / ((k - 1) * n)))
-    sd = np.sqrt(within + between)
-    return {"sd": sd, "lower_limit": bias - 1.96 * sd, "upper_limit": bias + 1.96 * sd}
+    return np.sqrt(within + between)
 
 
 BONES = [(f"{a}_{side}", f"{b}_{side}") for side in ("left", "right")
@@ -209,22 +214,24 @@ ANGLES = {f"{joint} flexion": (above, joint, below)
 
 
 def angles_of(s, m, names):
-    """Left and right, in degrees: the angle's errors at the instants at which truth and estimate have it, and both themselves."""
-    truths, estimates = [], []
+    """Left and right, in radians, at the instants at which truth and estimate have the angle: its errors, a list a block of
+    time, and both themselves."""
+    blocks = blocks_of(len(s.time_ns))
+    found = {"error": [[] for _ in range(blocks[-1] + 1)], "truth": [], "estimate": []}
     for side in ("left", "right"):
         j = [s.joints.index(f"{name}_{side}") for name in names]
-        truth, estimate = (flexion_deg(points[:, j]) for points in (s.truth_m, np.where(s.usable[:, :, m, None], s.estimate_m[:, :, m], np.nan)))
-        both = np.isfinite(truth) & np.isfinite(estimate)
-        truths.append(truth[both])
-        estimates.append(estimate[both])
-    truth, estimate = np.concatenate(truths), np.concatenate(estimates)
-    return estimate - truth, estimate, truth
+        truth, estimate = (flexion_rad(points[:, j]) for points in (s.truth_m, np.where(s.usable[:, :, m, None], s.estimate_m[:, :, m], np.nan)))
+        for i in np.flatnonzero(np.isfinite(truth) & np.isfinite(estimate)):
+            found["error"][blocks[i]].append(estimate[i] - truth[i])
+            found["truth"].append(truth[i])
+            found["estimate"].append(estimate[i])
+    return found
 
 
-def flexion_deg(points_m):
+def flexion_rad(points_m):
     up_m, down_m = points_m[:, 0] - points_m[:, 1], points_m[:, 2] - points_m[:, 1]
     cosine = (up_m * down_m).sum(axis=1) / np.linalg.norm(up_m, axis=1) / np.linalg.norm(down_m, axis=1)
-    return 180.0 - np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return np.pi - np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
 def lengths_on_both(samples, m, reference, alignment):

@@ -15,30 +15,6 @@
 namespace trilat {
 namespace {
 
-bool is_base_of(const MethodSpec& spec) { return spec.name == "mean" || spec.name == "nonlinear"; }
-
-// Whether all sensors of one set are in the other.
-bool contains(const MethodSpec& set, const MethodSpec& other) {
-  return std::ranges::all_of(other.sensors, [&](const std::string& sensor) {
-    return std::ranges::find(set.sensors, sensor) != set.sensors.end();
-  });
-}
-
-// Whether two methods differ in their sensors alone, by the study's words, and one's are among the
-// other's.
-bool are_sets_of_one_method(const MethodSpec& a, const MethodSpec& b) {
-  if (a.kind != b.kind) return false;
-  return a.sensors.empty() || b.sensors.empty() || contains(a, b) || contains(b, a);
-}
-
-// All but sets of sensors that an entry of the study has several of.
-bool competes(const std::vector<Method>& methods, std::size_t method) {
-  const MethodSpec& spec = methods[method].spec;
-  const auto of_entry =
-      std::ranges::count_if(methods, [&](const Method& other) { return other.spec.family == spec.family; });
-  return spec.family.empty() || spec.sensors.size() <= 1 || of_entry == 1;
-}
-
 using Sets = std::vector<std::vector<std::size_t>>;
 
 // Empty when there are more than `most`.
@@ -201,20 +177,6 @@ std::optional<SolveStatus> silence_on(const std::vector<RigidTransform>& world_f
     if (is_usable(status)) return std::nullopt;
   }
   return status;
-}
-
-std::vector<std::pair<std::uint32_t, std::uint32_t>> compared_methods(const std::vector<Method>& methods,
-                                                                      std::size_t reference) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  const auto meets = [&](std::size_t set, std::size_t other) {
-    const MethodSpec& spec = methods[other].spec;
-    return competes(methods, set) || other == reference || is_base_of(spec) ||
-           are_sets_of_one_method(methods[set].spec, spec);
-  };
-  for (std::uint32_t b = 0; b < methods.size(); ++b)
-    for (std::uint32_t a = 0; a < b; ++a)
-      if (meets(a, b) && meets(b, a)) pairs.emplace_back(a, b);
-  return pairs;
 }
 
 }  // namespace trilat

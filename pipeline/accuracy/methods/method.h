@@ -33,12 +33,6 @@ struct Method {
 // naming a sensor that the rig does not have.
 std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig);
 
-// The numbers of the methods that are compared on the samples that both answer, the smaller first: every two;
-// but a set of sensors only with its method on all sensors and on the sets that it contains, and with `mean`,
-// `nonlinear` and the study's reference.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> compared_methods(const std::vector<Method>& methods,
-                                                                      std::size_t reference);
-
 // How often each sensor's view of a joint is occluded, by each rule.
 using JointOcclusions = std::array<std::array<std::uint8_t, kMaxSensors>, kOcclusionRules>;
 

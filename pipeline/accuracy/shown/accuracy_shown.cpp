@@ -101,7 +101,7 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   add(accuracy_tables(s), Table::Shown::detail);
   add(apart_tables(s), Table::Shown::file);
   if (tracking) {
-    add(prediction_tables(*tracking), s.left_out() ? Table::Shown::first : Table::Shown::detail);
+    add(prediction_tables(s), s.left_out() ? Table::Shown::first : Table::Shown::detail);
     add(bound_tables(s, *tracking), Table::Shown::detail);
     add(tracking_tables(*tracking), Table::Shown::detail);
   }

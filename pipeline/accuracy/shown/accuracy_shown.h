@@ -8,7 +8,6 @@
 #include "datasets/results/figure.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
-#include "pipeline/accuracy/take/angle_errors.h"
 #include "pipeline/accuracy/tracking_summary.h"
 
 namespace trilat {
@@ -68,8 +67,8 @@ std::vector<Table> agreement_tables(const ResultsSummary& summary);
 
 // Joint angles by method, with ranges of motion and limits of agreement, and the figure of Bland and Altman;
 // a table and a figure a condition whose takes have angles.
-std::vector<Table> angle_tables(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
-std::vector<Figure> angle_figures(const ResultsSummary& summary, const std::vector<AngleSums>& sums);
+std::vector<Table> angle_tables(const ResultsSummary& summary);
+std::vector<Figure> angle_figures(const ResultsSummary& summary);
 
 // The Cramer-Rao bound of the ranges by joint group, and how far methods stay above it. Empty without truth.
 std::vector<Table> bound_tables(const ResultsSummary& summary, const TrackingSummary& tracking);
@@ -86,7 +85,7 @@ std::vector<std::string> pose_lines(const std::vector<CheckRow>& checks);
 
 // How well each method predicts the joints that a left-out sensor sees. No table when the study leaves none
 // out.
-std::vector<Table> prediction_tables(const TrackingSummary& summary);
+std::vector<Table> prediction_tables(const ResultsSummary& summary);
 // One take's disagreement along and across the rays, in one line.
 std::string ray_text(const RayRow& row);
 

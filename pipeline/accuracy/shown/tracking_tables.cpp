@@ -6,6 +6,7 @@
 
 #include "datasets/base/units.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/shown/number_cells.h"
 
 namespace trilat {
 namespace {
@@ -62,23 +63,6 @@ Table rays_table(const TrackingSummary& s) {
   return table;
 }
 
-Table predictions_table(const TrackingSummary& s) {
-  using R = PredictionRow;
-  Table table = table_of<R>("predictions",
-                            fmt::format("What a sensor sees, predicted from the others ({})", data_text(s)),
-                            s.predictions,
-                            {{"condition", "condition", as_text(&R::condition)},
-                             {"method", "method", as_text(&R::method)},
-                             {"along its ray (cm)", "range_cm", in_cm(&R::range_m)},
-                             {"across (cm)", "bearing_cm", in_cm(&R::bearing_m)},
-                             {"too far by (cm)", "mean_range_cm", in_cm(&R::mean_range_m)},
-                             {"bones vary by (cm)", "bone_cm", in_cm(&R::bone_m)},
-                             {"jerk (m/s³)", "jerk_m_s3", as_number(0, &R::jerk_m_s3)},
-                             {"n", "n", as_count(&R::n)}});
-  add_notes(table, "predictions");
-  return table;
-}
-
 Table rules_table(const TrackingSummary& s) {
   using R = RuleRow;
   const auto share = [](std::uint64_t R::*part, std::uint64_t R::*whole) {
@@ -132,9 +116,30 @@ std::vector<Table> bound_tables(const ResultsSummary& s, const TrackingSummary& 
   return {table};
 }
 
-std::vector<Table> prediction_tables(const TrackingSummary& s) {
-  if (s.predictions.empty()) return {};
-  return {predictions_table(s)};
+std::vector<Table> prediction_tables(const ResultsSummary& s) {
+  const Numbers& numbers = s.numbers;
+  const NumberKey range{.measure = "range", .statistic = "mean_abs"};
+  std::vector<NumberKey> rows;
+  for (const std::string& condition : s.conditions)
+    for (const std::string& method : s.methods)
+      if (numbers.find(NumberKey{.condition = condition, .method = method}.with(range)))
+        rows.push_back({.condition = condition, .method = method});
+  if (rows.empty()) return {};
+  Table table = table_of<NumberKey>(
+      "predictions",
+      fmt::format("What a sensor sees, predicted from the others ({}, {} sensors)", s.study,
+                  s.simulated ? "simulated" : "recorded"),
+      rows,
+      {{"condition", "condition", as_text(&NumberKey::condition)},
+       {"method", "method", as_text(&NumberKey::method)},
+       {"along its ray (cm)", "range_cm", interval_of(numbers, range)},
+       {"across (cm)", "bearing_cm", interval_of(numbers, {.measure = "bearing", .statistic = "mean"})},
+       {"too far by (cm)", "mean_range_cm", interval_of(numbers, {.measure = "range", .statistic = "bias"})},
+       {"bones vary by (cm)", "bone_cm", interval_of(numbers, {.measure = "bone", .statistic = "sd"})},
+       {"jerk (m/s³)", "jerk_m_s3", interval_of(numbers, {.measure = "jerk", .statistic = "mean"}, 0)},
+       {"n", "n", count_of(numbers, range)}});
+  add_notes(table, "predictions");
+  return {table};
 }
 
 std::vector<Table> tracking_tables(const TrackingSummary& s) {

@@ -54,7 +54,8 @@ void begin_block(const Plan& plan, const TakeData& data, std::uint64_t first, Sa
 
 void store(SampleBlock& block, std::size_t slot, const PointEstimate& estimate) {
   for (int axis = 0; axis < 3; ++axis)
-    block.estimate_m[slot * 3 + static_cast<std::size_t>(axis)] = estimate.position_m[axis];
+    block.estimate_m[slot * 3 + static_cast<std::size_t>(axis)] =
+        static_cast<float>(estimate.position_m[axis]);
   block.status[slot] = static_cast<std::uint8_t>(estimate.status);
   block.iterations[slot] = static_cast<std::uint32_t>(std::max(0, estimate.iterations));
   block.cost_m2[slot] = static_cast<float>(estimate.cost_m2);

@@ -41,17 +41,14 @@ void add_row(const Row& more, std::vector<Row>& rows) {
 
 TrackingSummary sum_tracking(const Plan& plan, std::span<const TakeResult> takes) {
   TrackingSummary summary{plan.study.name, plan.simulated, plan.study.stage.repair_exchanges};
-  std::vector<PredictionSums> predictions;
   for (const TakeResult& take : takes) {
     const TakeTracking& tracking = take.tracking;
-    std::ranges::copy(tracking.predictions, std::back_inserter(predictions));
     std::ranges::copy(tracking.checks, std::back_inserter(summary.checks));
     if (!tracking.clock.status.empty()) summary.clocks.push_back(tracking.clock);
     if (!tracking.rays.take.empty()) summary.rays.push_back(tracking.rays);
     for (const RuleRow& row : tracking.rules) add_row(row, summary.rules);
     for (const BoundRow& row : tracking.bounds) add_row(row, summary.bounds);
   }
-  summary.predictions = prediction_rows(predictions);
   return summary;
 }
 

@@ -10,8 +10,6 @@
 
 #include "datasets/base/described.h"
 #include "datasets/results/summary.h"
-#include "pipeline/accuracy/take/angle_errors.h"
-#include "pipeline/accuracy/take/left_out.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/tracking_summary.h"
 
@@ -41,12 +39,10 @@ struct TakeTracking {
   std::vector<CheckRow> checks;
   ClockRow clock;
   RayRow rays = {};
-  std::vector<PredictionSums> predictions = {};
-  std::vector<AngleSums> angles = {};
   std::vector<RuleRow> rules = {};
   std::vector<BoundRow> bounds = {};
 
-  TRILAT_FIELDS(checks, predictions, clock, rays, angles, rules, bounds)
+  TRILAT_FIELDS(checks, clock, rays, rules, bounds)
 };
 
 // All that evaluating one take gives besides its file.
