@@ -24,10 +24,9 @@ std::string recorded_sentence(const Table& recorded) {
 }
 
 void add_verdicts(const std::vector<JudgedClaim>& claims, Headline& headline) {
-  for (const char* verdict : {kHolds, kDoesNotHold, kUndecided, kContradicts, kCannotTest})
-    if (const auto n = std::ranges::count_if(
-            claims, [&](const JudgedClaim& claim) { return claim.verdict.starts_with(verdict); }))
-      headline.verdicts.emplace_back(verdict, static_cast<std::size_t>(n));
+  for (std::size_t v = 0; v < kVerdictNames.size(); ++v)
+    if (const auto n = std::ranges::count(claims, static_cast<ClaimVerdict>(v), &JudgedClaim::verdict))
+      headline.verdicts.emplace_back(static_cast<ClaimVerdict>(v), static_cast<std::size_t>(n));
 }
 
 // The first figure that is wanted of those that answer a question, with what its methods are.
@@ -129,7 +128,7 @@ std::string headline_text(const Headline& headline) {
   for (const std::string& answer : headline.answers) add(answer);
   std::string verdicts;
   for (const auto& [verdict, count] : headline.verdicts)
-    verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : ", ", verdict, count);
+    verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : ", ", name_of(verdict), count);
   if (!verdicts.empty()) add("The paper's claims: " + verdicts + ".");
   if (!headline.warnings.empty())
     add(fmt::format("{}: {}", warnings_text(headline), headline.warnings.front()));

@@ -22,8 +22,8 @@ struct Headline {
   std::vector<std::string> answers;   // one sentence or two each, the first ones first
   std::vector<std::string> warnings;  // what to know before believing them
   std::vector<std::string> legend;    // one line a method of the figure
-  std::vector<std::pair<std::string, std::size_t>> verdicts;  // on the paper's claims, and how many
-  std::optional<DrawnFigure> history;                         // errors by night
+  std::vector<std::pair<ClaimVerdict, std::size_t>> verdicts;  // on the paper's claims, and how many
+  std::optional<DrawnFigure> history;                          // errors by night
 };
 
 // All that a report says, before it is written in any form. The ids of its tables and figures differ:

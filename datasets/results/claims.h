@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -34,11 +35,12 @@ struct ClaimNumber {
                 missing)
 };
 
-inline constexpr const char* kHolds = "holds";
-inline constexpr const char* kDoesNotHold = "does not hold";
-inline constexpr const char* kUndecided = "undecided";
-inline constexpr const char* kContradicts = "contradicts itself";
-inline constexpr const char* kCannotTest = "cannot be tested here";
+enum class ClaimVerdict : std::uint8_t { holds, does_not_hold, undecided, contradicts, cannot_test };
+inline constexpr std::array kVerdictNames{"holds", "does not hold", "undecided", "contradicts itself",
+                                          "cannot be tested here"};
+inline const char* name_of(ClaimVerdict verdict) {
+  return kVerdictNames.at(static_cast<std::size_t>(verdict));
+}
 
 // What a claim of the paper comes to.
 struct JudgedClaim {
@@ -46,7 +48,7 @@ struct JudgedClaim {
   std::string reason;  // why that margin, or why there is no verdict
   std::vector<ClaimNumber> numbers;
   double p = ClaimNumber::kNone;  // corrected for how many claims are tested (Holm 1979)
-  std::string verdict;            // one of the five above
+  ClaimVerdict verdict = ClaimVerdict::cannot_test;
 };
 
 }  // namespace trilat

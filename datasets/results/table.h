@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -21,8 +22,8 @@ namespace trilat {
 // One cell: a number with the decimals it is printed with (negative: as many as it needs, up to six digits),
 // or a text. CSV gets the number unrounded.
 struct TableValue {
-  // How it stands in its row or column, where a table says so.
-  enum class Mark : std::uint8_t { none, best, like_best };
+  // How it stands in its row or column, where a table says so: among methods, or as a verdict.
+  enum class Mark : std::uint8_t { none, best, like_best, good, bad, contradiction, unsure, untested };
   std::optional<double> number;
   int decimals = 1;
   std::string text;
@@ -43,9 +44,21 @@ struct TableValue {
     if (field.has("beside", has_more)) TRILAT_EACH(beside)
   }
 
+  bool is_verdict() const { return mark >= Mark::good; }
+  static TableValue marked(std::string text, Mark mark) {
+    TableValue value = of(std::move(text));
+    value.mark = mark;
+    return value;
+  }
   static TableValue of(double value, int decimals) { return {value, decimals, {}}; }
   static TableValue of(std::string text) { return {std::nullopt, 0, std::move(text)}; }
 };
+
+inline TableValue::Mark mark_of(ClaimVerdict verdict) {
+  using Mark = TableValue::Mark;
+  constexpr std::array kMarks{Mark::good, Mark::bad, Mark::unsure, Mark::contradiction, Mark::untested};
+  return kMarks.at(static_cast<std::size_t>(verdict));
+}
 
 struct TableColumn {
   std::string name;  // with its unit, as in "MAE (cm)"
@@ -55,7 +68,14 @@ struct TableColumn {
   // Of the interval's ends: "mae_from_cm" of "mae_cm".
   std::string key_of_end(const char* end) const;
 
-  TRILAT_FIELDS(name, key, is_text, has_interval)
+  static void fields(auto& self, auto&& field) {
+    TRILAT_EACH(name, key, is_text, has_interval)
+    bool has_ends = self.has_interval;
+    if (field.has("from_key", has_ends)) {
+      field("from_key", self.key_of_end("from"));
+      field("to_key", self.key_of_end("to"));
+    }
+  }
 };
 inline TableColumn interval_column(std::string name, std::string key) {
   return {std::move(name), std::move(key), false, true};
@@ -72,7 +92,7 @@ struct Table {
   // Where: with what answers the study's question, among the details, or as a file alone, because it is long.
   enum class Shown : std::uint8_t { first, detail, file };
   std::string id;     // usable_id(): a file name and a LaTeX label
-  std::string title;  // what was measured on what, with every setting that changes a number; says "simulated"
+  std::string title;  // what was measured
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;
   std::vector<std::string> notes;   // one sentence each
@@ -81,13 +101,22 @@ struct Table {
   Shown shown = Shown::detail;
   std::string printed = {};  // "table3": which numbers of the paper belong beside or are there
   std::string rows_in = {};  // the CSV file beside tables.json that has them, where `rows` is empty
+  std::string about =
+      {};  // on what it was measured, with every setting that changes a number; says "simulated"
 
-  TRILAT_FIELDS(id, title, columns, rows, notes, first_rows, first_columns, shown, printed, rows_in)
+  // "What (on what)".
+  std::string whole_title() const { return about.empty() ? title : title + " (" + about + ")"; }
+  static void fields(auto& self, auto&& field) {
+    bool has_about = !self.about.empty();
+    TRILAT_EACH(id, title)
+    if (field.has("about", has_about)) TRILAT_EACH(about)
+    TRILAT_EACH(columns, rows, notes, first_rows, first_columns, shown, printed, rows_in)
+  }
   void check(const JsonObject& object) const;
 };
 
 template <>
-inline constexpr int kEnumValues<TableValue::Mark> = 3;
+inline constexpr int kEnumValues<TableValue::Mark> = 8;
 template <>
 inline constexpr int kEnumValues<Table::Shown> = 3;
 
@@ -172,13 +201,21 @@ struct RowColumn {
         show(std::move(cell.show)) {}
 };
 
+// What a table is about: what was measured, and on what.
+struct TableTitle {
+  TableTitle(const char* what) : text(what) {}
+  TableTitle(std::string what, std::string on = {}) : text(std::move(what)), about(std::move(on)) {}
+  std::string text, about;
+};
+
 // A table of `rows`, those alone that `wanted` holds for.
 template <class Row>
 Table table_of(
-    std::string id, std::string title, const std::vector<Row>& rows,
+    std::string id, TableTitle title, const std::vector<Row>& rows,
     const std::vector<RowColumn<Row>>& columns,
     const std::function<bool(const Row&)>& wanted = [](const Row&) { return true; }) {
-  Table table{std::move(id), std::move(title), {}, {}, {}};
+  Table table{std::move(id), std::move(title.text), {}, {}, {}};
+  table.about = std::move(title.about);
   for (const RowColumn<Row>& column : columns) table.columns.push_back(column.column);
   for (const Row& row : rows) {
     if (!wanted(row)) continue;

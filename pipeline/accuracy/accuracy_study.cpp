@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// An accuracy study from its campaign to its results.
 #include "pipeline/accuracy/accuracy_study.h"
 
 #include <algorithm>
@@ -25,27 +26,12 @@
 #include "pipeline/errors/numbers.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
+#include "pipeline/study/results_run.h"
 
 namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The first part of the ids of takes.
-std::string item_of(const PlannedTake& planned) { return "takes/" + planned.take.id; }
-
-// The state that all items of one study share.
-struct AccuracyRun {
-  Plan plan;
-  bool cross_check = false;
-  std::shared_ptr<HashCache> hashes;
-  ErrorSettings errors;
-  std::vector<TakeNote> notes;                    // on the campaign
-  std::vector<WatchedFiles> files;                // by take, from before the plan was made
-  std::vector<std::vector<TakeInput>> inputs;     // by take, once its key was asked for
-  std::vector<std::optional<TakeErrors>> tables;  // by take, of those that were evaluated
-  std::vector<DeclaredParameter> parameters;      // of the simulator that made the campaign
-};
 
 void replace_all(std::string& text, const std::string& old, const std::string& with) {
   if (old.empty() || old == with) return;
@@ -67,42 +53,28 @@ TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campai
   return note;
 }
 
-std::string key_of_take(AccuracyRun& run, std::size_t t, const Watch& watch) {
-  const PlannedTake& planned = run.plan.takes[t];
-  run.inputs[t] = inputs_of(planned.take, *run.hashes, watch.stop_requested);
-  const bool read =
-      std::ranges::none_of(run.inputs[t], [](const TakeInput& input) { return input.sha256.empty(); });
-  if (!planned.ok || !read || run.files[t].changed()) return "";
-  return trilat::key_of_take(run.plan, t, run.inputs[t], run.cross_check);
-}
-
-TakeResult evaluate(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
-  const PlannedTake& planned = run.plan.takes[t];
-  if (!planned.ok) throw InputError(planned.place, planned.problem);
-  for (const TakeInput& input : run.inputs[t])
-    if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
-  auto [result, table] = evaluate_take(run.plan, t, run.errors, run.cross_check, into, watch);
-  run.files[t].check();
-  run.tables[t] = std::move(table);
-  result.inputs = run.inputs[t];
-  for (TakeNote& note : result.notes) note = within_campaign(note, planned.take, run.plan.campaign);
-  return std::move(result);
-}
-
-Computed compute(AccuracyRun& run, std::size_t t, const fs::path& into, const Watch& watch) {
-  const Take& take = run.plan.takes[t].take;
+// A take of the plan, or why it cannot be evaluated: then it fails, and the others go on.
+Computed evaluate(const Plan& plan, std::size_t t, const std::vector<TakeInput>& inputs,
+                  const WatchedFiles& files, const ErrorSettings& errors, bool cross_check,
+                  const fs::path& into, const Watch& watch) {
+  const PlannedTake& planned = plan.takes[t];
+  TakeResult result;
   try {
-    return json_of(evaluate(run, t, into, watch));
+    if (!planned.ok) throw InputError(planned.place, planned.problem);
+    for (const TakeInput& input : inputs)
+      if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
+    result = evaluate_take(plan, t, errors, cross_check, into, watch);
+    files.check();
   } catch (const OutputError&) {
     throw;
   } catch (const InputError& error) {
     for (const fs::directory_entry& entry : fs::directory_iterator(into)) fs::remove_all(entry.path());
-    TakeResult failed;
-    failed.inputs = run.inputs[t];
-    failed.notes = {
-        within_campaign({take.id, true, error.place(), error.problem()}, take, run.plan.campaign)};
-    return {json_of(failed), true};
+    result = {};
+    result.notes = {{planned.take.id, true, error.place(), error.problem()}};
   }
+  result.inputs = inputs;
+  for (TakeNote& note : result.notes) note = within_campaign(note, planned.take, plan.campaign);
+  return {json_of(result), !result.evaluated};
 }
 
 // The part of a summary that needs no errors.
@@ -140,12 +112,6 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   return summary;
 }
 
-// Gives the error table of a take, which this run computed or an earlier one stored.
-TakeErrors errors_of_take(AccuracyRun& run, std::size_t t, const Outcome& outcome) {
-  if (run.tables[t]) return std::move(*std::exchange(run.tables[t], {}));
-  return stored_errors(ItemStore(outcome.folder.parent_path().parent_path()), outcome.key, run.errors);
-}
-
 // Makes takes fail whose recording is that of an earlier one: the same data twice, by name of two persons or
 // takes, would look like independent ones, whose intervals are too narrow.
 void leave_out_repeated(const Plan& plan, std::vector<TakeResult>& results) {
@@ -172,13 +138,34 @@ void leave_out_repeated(const Plan& plan, std::vector<TakeResult>& results) {
   }
 }
 
-// Adds how the truth moves and where nonlinear errs, of which the study's errors say nothing.
-void add_movement(const Plan& plan, const Outcome& outcome, TakeTable& table) {
-  const auto method =
+// The errors of the takes that were evaluated, and in a repetition of Table III how the truth moves, of which
+// a study's errors say nothing.
+std::vector<TakeTable> read_tables(const Plan& plan, const ErrorSettings& errors,
+                                   std::span<const TakeResult> results,
+                                   std::span<const Outcome* const> outcomes, const Watch& watch) {
+  constexpr double kTakesShare = 0.8;  // of the progress
+  const auto nonlinear =
       std::ranges::find(plan.methods, std::string("nonlinear"), [](const Method& m) { return m.spec.name; });
-  if (method == plan.methods.end()) return;
-  table.movement = movement_of(StoredTake::open(outcome.folder / StoredTake::kName), table.errors,
-                               static_cast<std::size_t>(method - plan.methods.begin()), plan.study.rate_hz);
+  const bool needs_movement = plan.study.paper == PaperStudy::table3 && nonlinear != plan.methods.end();
+  std::vector<TakeTable> tables(results.size());
+  std::atomic<std::size_t> done{0};
+  parallel_for_index(tables.size(), 1, [&](std::size_t t) {
+    watch.check();
+    const Take& take = plan.takes[t].take;
+    const fs::path& folder = outcomes[t]->folder;
+    if (results[t].evaluated) {
+      tables[t] = {take.id, take.participant, take.activity,
+                   stored_errors(ItemStore(folder.parent_path().parent_path()), outcomes[t]->key, errors),
+                   folder / StoredTake::kName};
+      if (needs_movement)
+        tables[t].movement =
+            movement_of(StoredTake::open(tables[t].samples), tables[t].errors,
+                        static_cast<std::size_t>(nonlinear - plan.methods.begin()), plan.study.rate_hz);
+    }
+    watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
+  });
+  std::erase_if(tables, [](const TakeTable& table) { return table.id.empty(); });
+  return tables;
 }
 
 // The table and the figure of stages come first, and no other.
@@ -196,43 +183,12 @@ void show_stages(const StudySpec& study, const ResultsSummary& summary, StoredTa
   shown.tables.insert(shown.tables.begin(), tables.begin(), tables.end());
 }
 
-void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& folder, const Watch& watch) {
-  constexpr double kTakesShare = 0.8;  // of the progress
-  std::vector<TakeResult> results;
-  std::vector<const Outcome*> of_take;
-  for (const PlannedTake& planned : run.plan.takes) {
-    const Outcome& outcome = *of_take.emplace_back(&outcomes.at(item_of(planned)));
-    results.push_back(read_as<TakeResult>(JsonObject(outcome.json, outcome.place(), "")));
-  }
-  leave_out_repeated(run.plan, results);
-  std::vector<TakeTable> tables(results.size());
-  std::atomic<std::size_t> done{0};
-  parallel_for_index(tables.size(), 1, [&](std::size_t t) {
-    watch.check();
-    const Take& take = run.plan.takes[t].take;
-    if (results[t].evaluated)
-      tables[t] = {take.id, take.participant, take.activity, errors_of_take(run, t, *of_take[t]),
-                   of_take[t]->folder / StoredTake::kName};
-    if (results[t].evaluated && run.plan.study.paper == PaperStudy::table3)
-      add_movement(run.plan, *of_take[t], tables[t]);
-    watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
-  });
-  std::erase_if(tables, [](const TakeTable& table) { return table.id.empty(); });
-  const RunOutcome outcome = outcome_of(run.plan, results, run.cross_check);
-  write_beside(folder, outcome.tracking);
-  ResultsSummary summary = summary_head(run.plan, outcome);
-  summary.notes.insert(summary.notes.begin(), run.notes.begin(), run.notes.end());
-  const StudyErrors errors(tables, run.plan.names, summary);
-  set_reference(errors, summary);
-  const std::vector<MethodPair> pairs = pairs_of(errors, summary, compared_with(summary.paper));
-  parallel_for_index(tables.size(), 1, [&](std::size_t t) {
-    watch.check();
-    tables[t].pairs = pair_errors(StoredTake::open(tables[t].samples), run.errors, pairs);
-  });
-  add_numbers(errors, summary);
-  summary.claims = claims_of(errors);
-  StoredTables shown = accuracy_shown(summary, outcome.tracking);
-  if (run.plan.rig.empty()) {
+// Everything that the study shows.
+void write_shown(const Plan& plan, const ResultsSummary& summary, const TrackingSummary& tracking,
+                 const fs::path& folder) {
+  StoredTables shown = accuracy_shown(summary, tracking);
+  const ResultsSummary rows = shown_summary(summary);
+  if (plan.rig.empty()) {
     auto place = shown.tables.begin();
     for (const std::string& condition : summary.conditions) {
       Table table = files_table(summary, condition);
@@ -240,28 +196,55 @@ void put_together(AccuracyRun& run, const Outcomes& outcomes, const fs::path& fo
       place = std::next(shown.tables.insert(place, std::move(table)));
     }
   }
-  for (Table& table : angle_tables(shown_summary(summary))) {
-    if (run.plan.rig.empty()) table.shown = Table::Shown::first;
+  for (Table& table : angle_tables(rows)) {
+    if (plan.rig.empty()) table.shown = Table::Shown::first;
     shown.tables.push_back(std::move(table));
   }
   for (Table& table : agreement_tables(summary)) {
     table.shown = Table::Shown::file;
     shown.tables.push_back(std::move(table));
   }
-  StoredFigures figures{accuracy_figures(shown_summary(summary))};
-  for (Figure& figure : angle_figures(shown_summary(summary))) figures.figures.push_back(std::move(figure));
-  if (!run.plan.study.stages.empty()) show_stages(run.plan.study, summary, shown, figures);
+  StoredFigures figures{accuracy_figures(rows)};
+  for (Figure& figure : angle_figures(rows)) figures.figures.push_back(std::move(figure));
+  if (!plan.study.stages.empty()) show_stages(plan.study, summary, shown, figures);
   store_tables(folder, std::move(shown));
   write_beside(folder, figures);
+}
+
+// The results of a study whose takes are done.
+void write_study(const Plan& plan, const ErrorSettings& errors, const std::vector<TakeNote>& notes,
+                 bool cross_check, const ResultsRun& run, const fs::path& folder, const Watch& watch) {
+  std::vector<TakeResult> results;
+  std::vector<const Outcome*> outcomes;
+  for (std::size_t t = 0; t < plan.takes.size(); ++t) {
+    outcomes.push_back(&run.outcome(t));
+    results.push_back(read_as<TakeResult>(JsonObject(outcomes[t]->json, outcomes[t]->place(), "")));
+  }
+  leave_out_repeated(plan, results);
+  const RunOutcome outcome = outcome_of(plan, results, cross_check);
+  write_beside(folder, outcome.tracking);
+  ResultsSummary summary = summary_head(plan, outcome);
+  summary.notes.insert(summary.notes.begin(), notes.begin(), notes.end());
+  std::vector<TakeTable> tables = read_tables(plan, errors, results, outcomes, watch);
+  const StudyErrors study(tables, plan.names, summary);
+  set_reference(study, summary);
+  const std::vector<MethodPair> pairs = pairs_of(study, summary, compared_with(summary.paper));
+  parallel_for_index(tables.size(), 1, [&](std::size_t t) {
+    watch.check();
+    tables[t].pairs = pair_errors(StoredTake::open(tables[t].samples), errors, pairs);
+  });
+  add_numbers(study, summary);
+  summary.claims = claims_of(study);
+  write_shown(plan, summary, outcome.tracking, folder);
   write_summary(folder, summary);
   watch.tell(1.0);
 }
 
-Json inputs_json(const AccuracyRun& run) {
+Json inputs_json(const Plan& plan, std::span<const std::vector<TakeInput>> inputs) {
   Json list = Json::array();
-  for (std::size_t t = 0; t < run.inputs.size(); ++t)
-    for (const TakeInput& input : run.inputs[t])
-      list.push_back({{"take", run.plan.takes[t].take.id},
+  for (std::size_t t = 0; t < inputs.size(); ++t)
+    for (const TakeInput& input : inputs[t])
+      list.push_back({{"take", plan.takes[t].take.id},
                       {"role", input.role},
                       {"file", input.file},
                       {"bytes", input.bytes},
@@ -270,8 +253,8 @@ Json inputs_json(const AccuracyRun& run) {
 }
 
 // The inputs and settings of the results. Files that cannot be read are listed without a hash.
-Json manifest_of_run(const AccuracyRun& run) {
-  const Plan& plan = run.plan;
+Json manifest_of_plan(const Plan& plan, std::span<const std::vector<TakeInput>> inputs,
+                      const std::vector<DeclaredParameter>& simulator) {
   Json methods = Json::array(), takes = Json::array();
   for (const Method& method : plan.methods) methods.push_back(method.spec.name);
   std::uint64_t instants = 0;
@@ -286,7 +269,7 @@ Json manifest_of_run(const AccuracyRun& run) {
   return manifest_of(resolved_json(plan.study),
                      {{"campaign", plan.campaign.name},
                       {"calibration", plan.campaign.calibration.filename().string()},
-                      {"simulator_sha256", hash_of_text(json_of(run.parameters).dump())},
+                      {"simulator_sha256", hash_of_text(json_of(simulator).dump())},
                       {"simulated", plan.simulated},
                       {"rig", plan.rig},
                       {"methods", methods},
@@ -294,14 +277,7 @@ Json manifest_of_run(const AccuracyRun& run) {
                       {"takes", takes},
                       {"instants", instants},
                       {"samples", instants * plan.names.size() * plan.methods.size()},
-                      {"inputs", inputs_json(run)}});
-}
-
-Item item_of_take(const std::shared_ptr<AccuracyRun>& run, std::size_t t) {
-  const PlannedTake& planned = run->plan.takes[t];
-  return {item_of(planned), cost_of(planned),
-          [run, t](const fs::path& into, const Watch& watch) { return compute(*run, t, into, watch); },
-          [run, t](const Watch& watch) { return key_of_take(*run, t, watch); }};
+                      {"inputs", inputs_json(plan, inputs)}});
 }
 
 void check_cross_check(const Plan& plan) {
@@ -330,39 +306,53 @@ StudySpec known_methods(StudySpec spec, const Campaign& campaign, std::vector<Ta
 
 }  // namespace
 
-Study accuracy_study(const StudySpec& given, const Campaign& campaign, bool cross_check,
-                     const std::shared_ptr<HashCache>& hashes, const Watch& watch) {
-  const auto run = std::make_shared<AccuracyRun>();
-  const StudySpec spec = known_methods(given, campaign, run->notes);
-  for (const Take& take : takes_of(spec, campaign).takes) run->files.push_back(watched_files(take));
-  run->plan = make_plan(spec, campaign, watch);
-  if (cross_check) check_cross_check(run->plan);
-  run->cross_check = cross_check;
-  run->hashes = hashes;
-  run->inputs.resize(run->plan.takes.size());
-  run->tables.resize(run->plan.takes.size());
-  const StudySpec& study_of = run->plan.study;
-  run->errors = {study_of.alignments, study_of.training_share, study_of.occluded_apart, study_of.rate_hz};
-  for (std::string& text : oddities_of(campaign)) run->notes.push_back({"", false, "campaign.json", text});
-  run->parameters = read_declared_parameters(campaign.folder);
-  Study study{.kind = name_of(StudyKind::accuracy),
-              .settings = resolved_json(run->plan.study),
-              .write_beside =
-                  [run](const fs::path& folder) {
-                    if (!run->parameters.empty()) write_declared_parameters(folder, run->parameters);
-                  },
-              .reduce = [run](const Outcomes& outcomes, const fs::path& folder,
-                              const Watch& reading) { put_together(*run, outcomes, folder, reading); },
-              .manifest = [run] { return manifest_of_run(*run); },
-              .hashes = hashes};
-  for (std::size_t t = 0; t < run->plan.takes.size(); ++t) study.items.push_back(item_of_take(run, t));
-  return study;
+ItemTally run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const StudyOptions& options) {
+  const Watch planning = watch_of(options, "planning");
+  HashCache hashes;
+  hashes.load(folder);
+  std::vector<TakeNote> notes;
+  if (asks_for_wand(asked.study) && options.mark) options.mark();  // its poses are kept beside the results
+  const StudySpec spec = known_methods(with_wand_poses(asked.study, asked.campaign, folder, hashes, planning),
+                                       asked.campaign, notes);
+  for (std::string& text : oddities_of(asked.campaign))
+    notes.push_back({"", false, "campaign.json", std::move(text)});
+  std::vector<WatchedFiles> files;  // from before they are read
+  for (const Take& take : takes_of(spec, asked.campaign).takes) files.push_back(watched_files(take));
+  const Plan plan = make_plan(spec, asked.campaign, planning);
+  if (asked.cross_check) check_cross_check(plan);
+  const ErrorSettings errors{plan.study.alignments, plan.study.training_share, plan.study.occluded_apart,
+                             plan.study.rate_hz};
+  const std::vector<DeclaredParameter> simulator = read_declared_parameters(asked.campaign.folder);
+
+  std::vector<ResultsRun::Item> items;
+  for (const PlannedTake& planned : plan.takes)
+    items.push_back({"takes/" + planned.take.id, cost_of(planned)});
+  ResultsRun run(folder, items, options);
+  std::vector<std::vector<TakeInput>> inputs(plan.takes.size());
+  run.find_keys([&](std::size_t t, const Watch& watch) {
+    inputs[t] = inputs_of(plan.takes[t].take, hashes, watch.stop_requested);
+    const bool read =
+        std::ranges::none_of(inputs[t], [](const TakeInput& input) { return input.sha256.empty(); });
+    if (!plan.takes[t].ok || !read || files[t].changed()) return std::string();
+    return key_of_take(plan, t, inputs[t], asked.cross_check);
+  });
+  const Json manifest = manifest_of_plan(plan, inputs, simulator);
+  if (run.is_finished(manifest)) return run.tally();
+  run.begin(manifest);
+  if (run.is_whole()) hashes.save(folder);
+  run.compute([&](std::size_t t, const fs::path& into, const Watch& watch) {
+    return evaluate(plan, t, inputs[t], files[t], errors, asked.cross_check, into, watch);
+  });
+  if (run.is_whole())
+    run.publish_results(manifest, [&](const fs::path& into) {
+      if (!simulator.empty()) write_declared_parameters(into, simulator);
+      write_study(plan, errors, notes, asked.cross_check, run, into, run.watch("summary"));
+    });
+  return run.tally();
 }
 
 ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, const fs::path& output,
                              const ExecuteOptions& options) {
-  const auto hashes = std::make_shared<HashCache>();
-  hashes->load(output);
   StudyOptions run{.threads = options.threads, .stop_requested = options.stop_requested};
   constexpr double kTakesShare = 0.8;  // of the progress; the rest is the summary
   if (options.progress)
@@ -370,12 +360,7 @@ ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, co
       if (stage == "takes") options.progress(kTakesShare * share);
       if (stage == "summary") options.progress(kTakesShare + (1.0 - kTakesShare) * share);
     };
-  on_threads(options.threads, [&](int) {
-    const Watch watch{options.stop_requested, {}};
-    run_study(accuracy_study(with_wand_poses(spec, campaign, output, *hashes, watch), campaign,
-                             options.cross_check, hashes, watch),
-              output, run);
-  });
+  on_threads(options.threads, [&](int) { run_accuracy({spec, campaign, options.cross_check}, output, run); });
   return read_summary(output);
 }
 

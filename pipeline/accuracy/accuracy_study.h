@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,11 +13,17 @@
 
 namespace trilat {
 
-// Takes of a campaign through every method; an item is a take. A take that cannot be evaluated fails, the
-// others go on. Its summary.json is a ResultsSummary. InputError when the study has no method that could be
-// cross-checked, and as make_plan().
-Study accuracy_study(const StudySpec& spec, const Campaign& campaign, bool cross_check,
-                     const std::shared_ptr<HashCache>& hashes, const Watch& watch);
+struct AccuracyStudy {
+  StudySpec study;
+  Campaign campaign;
+  bool cross_check = false;
+};
+
+// Takes of a campaign through every method into a folder of results; an item is a take. A take that cannot be
+// evaluated fails, the others go on. On the threads of the caller. InputError where the study has no method
+// that could be cross-checked, and as make_plan() and ResultsRun.
+ItemTally run_accuracy(const AccuracyStudy& asked, const std::filesystem::path& folder,
+                       const StudyOptions& options);
 
 // About how long a take takes, in instants.
 double cost_of(const PlannedTake& take);

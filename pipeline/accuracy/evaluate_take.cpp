@@ -33,7 +33,7 @@ std::vector<std::string> tracks_of(const Plan& plan, const PlannedTake& planned)
 }
 
 // Reads what the take brings and holds it against the truth, by instant and name.
-std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                                        std::vector<TakeNote>& notes) {
   std::vector<MethodPaths> paths;
   if (planned.take.joints.empty()) return paths;
@@ -50,7 +50,7 @@ std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& plan
 }
 
 // The checks and disagreements of a take with all its sensors.
-TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   TakeTracking tracking{data.checks, data.clock, rays_of(plan, planned, data)};
   tracking.clock.take = planned.take.id;
   tracking.rules = judge_rules(plan, planned, data);
@@ -60,7 +60,8 @@ TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const Tak
 
 // Names the sensors that cannot be the truth because they track no joint that is asked for. InputError when
 // none can.
-std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& planned,
+                                      const PreparedTake& data) {
   std::vector<TakeNote> notes;
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {
     bool tracks = false;
@@ -75,12 +76,6 @@ std::vector<TakeNote> notes_on_silent(const Plan& plan, const PlannedTake& plann
   if (notes.size() == plan.rig.size())
     throw InputError(planned.take.session.string(), "no sensor ever tracks a joint that is asked for");
   return notes;
-}
-
-TakeErrors write_errors(StoredTake& file, const ErrorSettings& settings) {
-  TakeErrors errors = errors_of(file, settings);
-  file.write_errors(errors);
-  return errors;
 }
 
 TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
@@ -103,8 +98,8 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
 
 // A take as methods see it, and the joints that it brings.
 struct SeenTake {
-  TakeData all;       // by all sensors; without sensors the instants and their truth alone
-  TakeData followed;  // before anything is repaired, of a take whose sensors are left out in turn
+  PreparedTake all;       // by all sensors; without sensors the instants and their truth alone
+  FollowedTake followed;  // of a take whose sensors are left out in turn
   std::vector<MethodPaths> brought;
 };
 
@@ -112,9 +107,10 @@ SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& 
   const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
   RecordedTake recorded = read_take(plan, planned, watch.stop_requested);
   SeenTake seen;
-  TakeData followed = follow_person(plan, planned, recorded);
+  FollowedTake followed = follow_person(plan, planned, recorded);
   if (leaves_out) seen.followed = followed;
-  seen.all = see_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, watch.stop_requested);
+  seen.all =
+      view_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, watch.stop_requested);
   result.tracking = tracking_of(plan, planned, seen.all);
   result.notes = seen.all.notes;
   if (leaves_out) append(result.notes, notes_on_silent(plan, planned, seen.all));
@@ -125,7 +121,7 @@ SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& 
 // A take without a session: its truth, and what it brings.
 SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& result) {
   SeenTake seen;
-  TakeData& data = seen.all;
+  PreparedTake& data = seen.all;
   data.heading_rad.assign(planned.instants, std::numeric_limits<float>::quiet_NaN());
   data.truth_m.resize(planned.instants * plan.names.size());
   const MarkerTrack truth = truth_of_points(plan, planned);
@@ -150,35 +146,32 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& re
 
 }  // namespace
 
-EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                            const std::filesystem::path& folder, const Watch& watch) {
+TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
+                         const std::filesystem::path& folder, const Watch& watch) {
   const PlannedTake& planned = plan.takes[take];
-  EvaluatedTake evaluated;
-  TakeResult& result = evaluated.result;
-  const bool has_sensors = !plan.rig.empty();
+  TakeResult result;
   const SeenTake seen =
-      has_sensors ? see_session(plan, planned, watch, result) : see_points(plan, planned, result);
+      plan.rig.empty() ? see_points(plan, planned, result) : see_session(plan, planned, watch, result);
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
-  const auto solve = [&](std::size_t track, const TakeData& data) {
+  result.checks.resize(cross_check ? checked_methods(plan).size() : 0);
+  const auto solve = [&](std::size_t track, const PreparedTake& prepared) {
     const double share = 1.0 / static_cast<double>(file.head().tracks.size());
     const Watch part{watch.stop_requested,
                      share_of(watch.progress, share * static_cast<double>(track), share)};
-    result.checks.resize(cross_check ? checked_methods(plan).size() : 0);
     const std::vector<TakeCheck> checks =
-        solve_take(plan, planned, data, seen.brought, cross_check, part,
+        solve_take(plan, planned, prepared, seen.brought, cross_check, part,
                    [&](const SampleBlock& block) { file.write(track, block); });
     for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
   };
-  if (planned.truth == TakeTruth::left_out_sensor) {
+  if (planned.truth == TakeTruth::left_out_sensor)
     for (std::size_t s = 0; s < plan.rig.size(); ++s)
-      solve(s, see_take(plan, planned, seen.followed, std::nullopt, s, watch.stop_requested));
-  } else {
+      solve(s, view_take(plan, planned, seen.followed, std::nullopt, s, watch.stop_requested));
+  else
     solve(0, seen.all);
-  }
-  evaluated.errors = write_errors(file, errors);
+  file.write_errors(errors_of(file, errors));
   file.finish();
   result.evaluated = true;
-  return evaluated;
+  return result;
 }
 
 TakeErrors stored_errors(const ItemStore& store, const std::string& key, const ErrorSettings& settings) {

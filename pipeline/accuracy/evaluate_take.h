@@ -15,15 +15,10 @@
 
 namespace trilat {
 
-struct EvaluatedTake {
-  TakeResult result;
-  TakeErrors errors;
-};
-
 // Sends one take through every method and writes its take.h5 into `folder`. Throws Interrupted when asked to
 // stop.
-EvaluatedTake evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                            const std::filesystem::path& folder, const Watch& watch);
+TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
+                         const std::filesystem::path& folder, const Watch& watch);
 
 // The errors of a take that is an item. Where they were made with other settings they are made again from its
 // samples, and the item is replaced. InputError when there is no such item.

@@ -35,7 +35,7 @@ Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& 
   return plan;
 }
 
-void solve(const Plan& plan, const TakeData& data, const Watch& watch, FusedSession& fused) {
+void solve(const Plan& plan, const PreparedTake& data, const Watch& watch, FusedSession& fused) {
   const bool has_sigma = plan.methods[0].spec.kind == &method_kind("range_bearing");
   solve_take(plan, plan.takes[0], data, {}, false, watch, [&](const SampleBlock& block) {
     const std::size_t first = block.first_instant * plan.joints.size();
@@ -49,7 +49,7 @@ void solve(const Plan& plan, const TakeData& data, const Watch& watch, FusedSess
   });
 }
 
-std::vector<ExchangedStretch> exchanged_stretches(const Plan& plan, const TakeData& data) {
+std::vector<ExchangedStretch> exchanged_stretches(const Plan& plan, const PreparedTake& data) {
   std::vector<ExchangedStretch> stretches;
   for (std::size_t s = 0; s < plan.rig.size(); ++s)
     for (std::size_t i = 0; i < data.time.size(); ++i) {
@@ -66,7 +66,7 @@ std::vector<ExchangedStretch> exchanged_stretches(const Plan& plan, const TakeDa
 FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
                           const MethodSpec& method, double rate_hz, const Watch& watch) {
   const Plan plan = plan_of(session, calibration, method, rate_hz);
-  const TakeData data = load_take(plan, plan.takes[0], watch.stop_requested);
+  const PreparedTake data = load_take(plan, plan.takes[0], watch.stop_requested);
   FusedSession fused{.rate_hz = rate_hz,
                      .start_host_ns = data.time.front().ns,
                      .joints = plan.joints,
@@ -91,7 +91,7 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   JsonObject object(method, "range_bearing", "");
   const Plan plan = plan_of(session, calibration, read_method(object), 30.0);
   const PlannedTake& planned = plan.takes[0];
-  const TakeData data = load_take(plan, planned, watch.stop_requested);
+  const PreparedTake data = load_take(plan, planned, watch.stop_requested);
   if (!data.shown.problem.empty())
     throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
   CorrectedCalibration result{read_calibration(calibration), check_poses(plan, planned, data).rows,

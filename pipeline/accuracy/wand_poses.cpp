@@ -41,6 +41,11 @@ fs::path folder_of(const CampaignWand& wand, const fs::path& results, HashCache&
 
 }  // namespace
 
+bool asks_for_wand(const StudySpec& study) {
+  return std::ranges::any_of(stages_of(study),
+                             [](const Stage& stage) { return stage.poses != PoseSource::stated; });
+}
+
 StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::path& results,
                           HashCache& hashes, const Watch& watch) {
   std::vector<Stage*> stages;

@@ -10,6 +10,8 @@
 
 namespace trilat {
 
+bool asks_for_wand(const StudySpec& study);
+
 // The study with the calibrations that its stages ask for, made from the campaign's wand into
 // `results`/poses/KEY/METHOD.json; the key is a hash of the wand's files and this build, and one that is
 // there is taken as it is. A study whose poses are all stated comes back as it is, and nothing is written.

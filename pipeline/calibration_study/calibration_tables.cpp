@@ -63,7 +63,7 @@ Table wand_table(const CalibrationSummary& s) {
   const auto span = in_zone(is_anywhere, &WandSample::distance_error_m);
   const auto near = in_zone(is_near, &WandSample::distance_error_m);
   Table table = table_of<R>(
-      "wand", fmt::format("Finding the ball, {} ({})", source_text(s.simulated), s.campaign), rows,
+      "wand", {"Finding the ball, " + std::string(source_text(s.simulated)), s.campaign}, rows,
       {{"method", "method", as_text([](const R& r) { return wand_method_names()[r.method]; })},
        {"recording", "recording", as_text([](const R& r) { return r.recording->name; })},
        {"truth", "truth", as_text([](const R& r) { return truth_text(*r.recording); })},
@@ -154,8 +154,8 @@ Table bins_table(const CalibrationSummary& s) {
       bins.insert(bins.end(), some.begin(), some.end());
   Table table = table_of<Bin>(
       "bins",
-      fmt::format("Error of one place of the ball by distance and by angle, {} ({})",
-                  source_text(s.simulated), s.campaign),
+      {"Error of one place of the ball by distance and by angle, " + std::string(source_text(s.simulated)),
+       s.campaign},
       bins,
       {{"method", "method", as_text([](const Bin& b) { return wand_method_names()[b.row->method]; })},
        {"recording", "recording", as_text([](const Bin& b) { return b.row->recording->name; })},
@@ -178,8 +178,9 @@ Table poses_table(const CalibrationSummary& s) {
     rows.insert(rows.end(), recording.poses.begin(), recording.poses.end());
   Table table = table_of<R>(
       "poses",
-      fmt::format("Sensors' poses by the wand, less those of the campaign's calibration, {} ({})",
-                  source_text(s.simulated), s.campaign),
+      {fmt::format("Sensors' poses by the wand, less those of the campaign's calibration, {}",
+                   source_text(s.simulated)),
+       s.campaign},
       rows,
       {{"method", "method", as_text(&R::method)},
        {"sensor", "sensor", as_text(&R::sensor)},
@@ -204,8 +205,9 @@ Table walls_table(const CalibrationSummary& s) {
   };
   Table table = table_of<R>(
       "distortion",
-      fmt::format("A flat wall, {}: mean absolute errors in the middle row, and noise of the depth ({})",
-                  source_text(s.simulated), s.campaign),
+      {fmt::format("A flat wall, {}: mean absolute errors in the middle row, and noise of the depth",
+                   source_text(s.simulated)),
+       s.campaign},
       s.walls,
       {{"recording", "recording", as_text(&R::recording)},
        {"sensor", "sensor", as_text(&R::sensor)},

@@ -13,9 +13,10 @@ namespace trilat {
 namespace {
 
 JudgedClaim claim_with(const PaperClaim& claim, std::span<const ClaimNumber> numbers) {
-  JudgedClaim judged{claim.id, claim.where, claim.text, claim.printed, claim.why, {}, kNaN, ""};
+  JudgedClaim judged{claim.id, claim.where, claim.text, claim.printed, claim.why, {}, kNaN};
   if (claim.kind == ClaimKind::contradicts || claim.kind == ClaimKind::untestable) {
-    judged.verdict = claim.kind == ClaimKind::contradicts ? kContradicts : kCannotTest;
+    judged.verdict =
+        claim.kind == ClaimKind::contradicts ? ClaimVerdict::contradicts : ClaimVerdict::cannot_test;
     return judged;
   }
   std::string missing;
@@ -28,7 +29,7 @@ JudgedClaim claim_with(const PaperClaim& claim, std::span<const ClaimNumber> num
   }
   if (!missing.empty()) judged.numbers.clear();
   if (!judged.numbers.empty()) return judged;
-  judged.verdict = kCannotTest;
+  judged.verdict = ClaimVerdict::cannot_test;
   judged.reason =
       "needs " + (missing.empty() ? fmt::format("results of the study {}", claim.study) : missing);
   return judged;
@@ -74,13 +75,13 @@ std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
     const ClaimChance chance = chance_of(judged[k]);
     const double decided = std::isnan(corrected[k]) ? chance.decided() : corrected[k];
     judged[k].p = corrected[k];
-    judged[k].verdict = !(decided <= kFalseVerdicts)  ? kUndecided
-                        : chance.fails < chance.holds ? kDoesNotHold
-                                                      : kHolds;
-    if (judged[k].verdict != kUndecided) continue;
+    judged[k].verdict = !(decided <= kFalseVerdicts)  ? ClaimVerdict::undecided
+                        : chance.fails < chance.holds ? ClaimVerdict::does_not_hold
+                                                      : ClaimVerdict::holds;
+    if (judged[k].verdict != ClaimVerdict::undecided) continue;
     if (std::string too_few = too_few_clusters(claims[k], judged[k]); !too_few.empty()) {
       judged[k].reason = std::move(too_few);
-      judged[k].verdict = kCannotTest;
+      judged[k].verdict = ClaimVerdict::cannot_test;
     }
   }
   return judged;

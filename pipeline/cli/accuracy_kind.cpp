@@ -92,11 +92,6 @@ void print_cross_check(const ResultsSummary& summary) {
   }
 }
 
-bool asks_for_wand(const StudySpec& spec) {
-  return std::ranges::any_of(stages_of(spec),
-                             [](const Stage& stage) { return stage.poses != PoseSource::stated; });
-}
-
 }  // namespace
 
 Json errors_json(const ResultsSummary& s, std::span<const std::string> alignments) {
@@ -151,15 +146,8 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign) {
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   const StudySpec spec = parse_study(json, arguments.study.string(), arguments.study.parent_path());
   const Campaign campaign = campaign_of(spec.campaign, arguments);
-  const auto hashes = std::make_shared<HashCache>();
-  hashes->load(arguments.output);
-  const bool cross_check = arguments.cross_check;
-  return {.plan =
-              [=, output = arguments.output](const Watch& watch) {
-                if (asks_for_wand(spec)) mark_output(output, {"run", {spec.name}, campaign.name});
-                return accuracy_study(with_wand_poses(spec, campaign, output, *hashes, watch), campaign,
-                                      cross_check, hashes, watch);
-              },
+  return {.run = [study = AccuracyStudy{spec, campaign, arguments.cross_check}, output = arguments.output](
+                     const StudyOptions& options) { return run_accuracy(study, output, options); },
           .print_plan =
               [=](const Shard& shard, bool as_json, const Watch& watch) {
                 return print_plan(make_plan(spec, campaign, watch), shard, as_json);

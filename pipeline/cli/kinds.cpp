@@ -22,8 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // An opened study that is planned at once.
-OpenedStudy opened(Study study, const Json& plan, const std::string& text) {
-  return {.plan = [study = std::move(study)](const Watch&) { return study; },
+OpenedStudy opened(Study study, const fs::path& output, const Json& plan, const std::string& text) {
+  return {.run = [study = std::move(study),
+                  output](const StudyOptions& options) { return run_study(study, output, options); },
           .print_plan =
               [plan, text](const Shard&, bool json, const Watch&) {
                 fmt::print("{}\n", json ? json_text(plan, 2) : text);
@@ -57,7 +58,7 @@ OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
   const SweepSpec spec = parse_sweep(study, arguments.study.string());
   const std::size_t cells = spec.cells.size();
   return opened(
-      sweep_study(spec),
+      sweep_study(spec), arguments.output,
       {{"study", resolved_json(spec)},
        {"simulated", true},
        {"cells", cells},
@@ -78,10 +79,11 @@ OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, con
   hashes->load(arguments.output);
   Study study = make(spec, campaign, hashes);
   const std::size_t items = study.items.size();
-  OpenedStudy opened_study = opened(
-      std::move(study), {{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"items", items}},
-      fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name, items,
-                  items == 1 ? "" : "s"));
+  OpenedStudy opened_study =
+      opened(std::move(study), arguments.output,
+             {{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"items", items}},
+             fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name, items,
+                         items == 1 ? "" : "s"));
   opened_study.inputs = inputs_of(campaign);
   opened_study.campaign = campaign;
   return opened_study;

@@ -38,7 +38,7 @@ struct RunArguments {
 
 // A study that was read, as `trilat run` needs it.
 struct OpenedStudy {
-  std::function<Study(const Watch& watch)> plan;
+  std::function<ItemTally(const StudyOptions& options)> run;  // into the output, on the caller's threads
   // Says what would be computed, on stdout, and gives the exit code.
   std::function<int(const Shard& shard, bool json, const Watch& watch)> print_plan;
   std::vector<std::filesystem::path> inputs = {};           // that it reads beside what the arguments name

@@ -113,10 +113,11 @@ class Reproduction {
     const OpenedStudy opened = find_kind(study.at("kind").get<std::string>())->open(run, study);
     mark_output(run.output, results_mark(part));
     StageProgressBars progress;
-    run_study(opened.plan({stop_requested, {}}), run.output,
-              {.threads = arguments_.threads,
-               .stop_requested = stop_requested,
-               .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
+    on_threads(arguments_.threads, [&](int) {
+      opened.run({.threads = arguments_.threads,
+                  .stop_requested = stop_requested,
+                  .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
+    });
     count_failures(run.output);
   }
 

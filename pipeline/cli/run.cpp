@@ -34,14 +34,10 @@ ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments,
       .stop_requested = stop_requested,
       .progress = [&](const std::string& stage, double share) { progress.set(stage, share); },
       .shard = shard,
-      .fresh = arguments.fresh};
+      .fresh = arguments.fresh,
+      .mark = [&] { mark_output(arguments.output, mark); }};
   ItemTally tally;
-  on_threads(arguments.threads, [&](int) {
-    const Watch watch{stop_requested, [&](double share) { progress.set("planning", share); }};
-    const Study study = opened.plan(watch);
-    mark_output(arguments.output, mark);
-    tally = run_study(study, arguments.output, options);
-  });
+  on_threads(arguments.threads, [&](int) { tally = opened.run(options); });
   return tally;
 }
 

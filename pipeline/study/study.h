@@ -101,8 +101,12 @@ struct StudyOptions {
   std::function<bool()> stop_requested = {};
   std::function<void(const std::string& stage, double share)> progress = {};  // from any thread
   Shard shard = {};
-  bool fresh = false;  // items that are there are computed again
+  bool fresh = false;               // items that are there are computed again
+  std::function<void()> mark = {};  // marks the output as its verb's, before anything is written into it
 };
+
+// Watch of one stage of a run; `options` must outlive it.
+Watch watch_of(const StudyOptions& options, const std::string& stage);
 
 // The ids of the items of one run, by what the run did with them.
 struct ItemTally {

@@ -55,9 +55,8 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
   };
   Table table = table_of<Place>(
       usable_id("table1-" + s.cell(*interpretations.printed, 0, 0).setting.rig),
-      fmt::format("Table I: propagation error, time and iterations, the paper's beside ours, simulated ({}; "
-                  "{} trials a cell, seed {})",
-                  interpretations.name, s.trials, s.seed),
+      {"Table I: propagation error, time and iterations, the paper's beside ours, simulated",
+       fmt::format("{}; {} trials a cell, seed {}", interpretations.name, s.trials, s.seed)},
       rows,
       {{"range (cm)", "range_cm", as_text([&](const Place& p) {
           return fmt::format("{:g}-{:g}", paper.ranges_cm[p.range][0], paper.ranges_cm[p.range][1]);

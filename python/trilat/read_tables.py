@@ -10,8 +10,6 @@ from trilat.errors import InputError
 if TYPE_CHECKING:
     import pandas
 
-UNITS = ("_percent", "_cm", "_mm", "_us", "_ms", "_deg", "_ppm", "_m_s3")
-
 
 def tables(folder: str | os.PathLike) -> "dict[str, pandas.DataFrame]":
     """Every table of a results folder by its name, such as "errors-walking": the columns of its CSV in the report, with
@@ -33,18 +31,13 @@ def tables(folder: str | os.PathLike) -> "dict[str, pandas.DataFrame]":
         else:
             cells = [[value for column, cell in zip(table["columns"], row) for value in _values(column, cell)] for row in table["rows"]]
             frame = pandas.DataFrame(cells, columns=[key for column in table["columns"] for key in _keys(column)])
-        frame.attrs.update(title=table["title"], notes=table["notes"])
+        frame.attrs.update(title=table["title"] + (f" ({table['about']})" if "about" in table else ""), notes=table["notes"])
         found[table["id"]] = frame
     return found
 
 
 def _keys(column: dict) -> list[str]:
-    key = column["key"]
-    if not column["has_interval"]:
-        return [key]
-    unit = next((unit for unit in UNITS if key.endswith(unit)), "")
-    stem = key.removesuffix(unit)
-    return [key, f"{stem}_from{unit}", f"{stem}_to{unit}"]
+    return [column["key"], column["from_key"], column["to_key"]] if column["has_interval"] else [column["key"]]
 
 
 def _values(column: dict, cell: dict) -> list:

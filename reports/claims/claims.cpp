@@ -82,7 +82,8 @@ Table claims_table(const PaperFindings& findings) {
                   findings.evidence.any_simulated ? ", with simulated sensors" : ""),
       findings.claims,
       {{"claim", "claim", as_text(&R::claim)},
-       {"verdict", "verdict", as_text(&R::verdict)},
+       {"verdict", "verdict",
+        CellOf{[](const R& r) { return TableValue::marked(name_of(r.verdict), mark_of(r.verdict)); }, true}},
        {"paper", "paper", as_text(&R::printed)},
        {"ours", "found", as_text(short_text)},
        {"ours, with interval", "ours", as_text([](const R& r) { return numbers_text(r.numbers); })},
@@ -103,8 +104,8 @@ Table errata_table(const PaperFindings& findings) {
     return std::string(r.changes_results ? "its study is not among these results" : "none on a result");
   };
   Table table = table_of<R>("errata",
-                            std::string("What is printed that cannot be so, and what the difference does") +
-                                (findings.evidence.any_simulated ? " (simulated)" : ""),
+                            {"What is printed that cannot be so, and what the difference does",
+                             findings.evidence.any_simulated ? "simulated" : ""},
                             printed_errata().errata,
                             {{"erratum", "erratum", as_text(&R::id)},
                              {"where", "where", as_text(&R::where)},

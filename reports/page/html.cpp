@@ -18,11 +18,11 @@ namespace {
 constexpr std::size_t kLong = 40;  // bytes of a text that is broken into lines
 constexpr std::size_t kMany = 12;  // columns that a print has to make small
 
-const char* badge_class(const std::string& verdict) {
-  if (verdict.starts_with("holds") || verdict == "better") return "holds";
-  if (verdict == "does not hold" || verdict == "worse") return "fails";
-  if (verdict == "contradicts itself") return "fails against";
-  return verdict == "undecided" ? "unsure" : "untested";
+const char* badge_class(TableValue::Mark mark) {
+  if (mark == TableValue::Mark::good) return "holds";
+  if (mark == TableValue::Mark::bad) return "fails";
+  if (mark == TableValue::Mark::contradiction) return "fails against";
+  return mark == TableValue::Mark::unsure ? "unsure" : "untested";
 }
 
 bool is_long(const Table& table, std::size_t column) {
@@ -41,12 +41,9 @@ std::string class_of(const Table& table, std::size_t column, bool wraps) {
   return names.empty() ? names : " class=\"" + names + "\"";
 }
 
-std::string cell_html(const TableColumn& column, const TableValue& value) {
+std::string cell_html(const TableValue& value) {
   const std::string text = printed(value), interval = printed_interval(value);
-  const bool is_verdict =
-      column.is_text &&
-      (column.key == "verdict" || (column.key == "differs" && (text == "better" || text == "worse")));
-  std::string html = is_verdict ? verdict_badge(text) : html_text(text);
+  std::string html = value.is_verdict() ? verdict_badge(text, value.mark) : html_text(text);
   if (value.mark == TableValue::Mark::best) html = "<strong>" + html + "</strong>";
   if (value.mark == TableValue::Mark::like_best)
     html += " <span title=\"cannot be distinguished from the best\">≈</span>";
@@ -68,7 +65,7 @@ std::string cells_html(const Table& table) {
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
     html += table.first_rows > 0 && r >= table.first_rows ? "<tr class=\"rest\">" : "<tr>";
     for (const std::size_t c : order) {
-      const std::string cell = cell_html(table.columns[c], table.rows[r][c]);
+      const std::string cell = cell_html(table.rows[r][c]);
       html += c == 0 ? fmt::format("<th scope=\"row\"{}>{}</th>", classes[c], cell)
                      : fmt::format("<td{}>{}</td>", classes[c], cell);
     }
@@ -91,19 +88,17 @@ std::string links_html(const Table& table) {
 
 }  // namespace
 
-std::string verdict_badge(const std::string& verdict) {
-  return fmt::format("<span class=\"v {}\">{}</span>", badge_class(verdict), html_text(verdict));
+std::string verdict_badge(const std::string& verdict, TableValue::Mark mark) {
+  return fmt::format("<span class=\"v {}\">{}</span>", badge_class(mark), html_text(verdict));
 }
 
-std::string html_title(const std::string& title) {
-  const auto bracket = title.find(" (");
-  if (bracket == std::string::npos) return "<strong>" + html_text(title) + "</strong>";
-  return "<strong>" + html_text(title.substr(0, bracket)) + "</strong> <span>" +
-         html_text(title.substr(bracket + 1)) + "</span>";
+std::string html_title(const Table& table) {
+  const std::string title = "<strong>" + html_text(table.title) + "</strong>";
+  return table.about.empty() ? title : title + " <span>(" + html_text(table.about) + ")</span>";
 }
 
 std::string html_of(const Table& table) {
-  const std::string title = html_text(table.title);
+  const std::string title = html_text(table.whole_title());
   std::string notes;
   for (const std::string& note : table.notes) notes += "<li>" + html_text(note) + "</li>\n";
   if (!notes.empty()) notes = "<ul class=\"notes\">" + notes + "</ul>\n";
@@ -112,8 +107,7 @@ std::string html_of(const Table& table) {
       "tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table><caption>{}</caption>\n{}</table></div>\n"
       "{}</div>\n",
       table.first_columns > 0 ? " claims" : "", table.columns.size() > kMany ? " many" : "",
-      html_text(table.id), html_title(table.title), links_html(table), title, title, cells_html(table),
-      notes);
+      html_text(table.id), html_title(table), links_html(table), title, title, cells_html(table), notes);
 }
 
 std::string html_text(std::string_view text) {

@@ -11,11 +11,11 @@ namespace trilat {
 // A table with its notes and links to its files beside the page, whose script sorts it and shows the rest.
 std::string html_of(const Table& table);
 
-// "holds" as a coloured word; other verdicts alike.
-std::string verdict_badge(const std::string& verdict);
+// A verdict as a coloured word.
+std::string verdict_badge(const std::string& verdict, TableValue::Mark mark);
 
 // A title's first part, and the brackets at its end more softly.
-std::string html_title(const std::string& title);
+std::string html_title(const Table& table);
 
 // Escaped for HTML text and attributes in double quotes; control characters become spaces.
 std::string html_text(std::string_view text);

@@ -74,7 +74,8 @@ std::string verdicts_html(const Headline& headline) {
   if (headline.verdicts.empty()) return {};
   std::string html = "<p class=\"tally\">The paper’s claims:";
   for (const auto& [verdict, count] : headline.verdicts)
-    html += fmt::format(" <a href=\"#claims\">{} {}</a>", count, verdict_badge(verdict));
+    html += fmt::format(" <a href=\"#claims\">{} {}</a>", count,
+                        verdict_badge(name_of(verdict), mark_of(verdict)));
   return html + "</p>\n";
 }
 

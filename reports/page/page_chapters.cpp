@@ -40,7 +40,8 @@ std::string claims_on(const std::optional<Table>& claims, const std::string& pla
   const std::size_t where = column_of(*claims, "where"), verdict = column_of(*claims, "verdict");
   for (const auto& row : claims->rows)
     if (names(row[where].text, place))
-      html += fmt::format("<li>{} {}</li>\n", html_text(row.front().text), verdict_badge(row[verdict].text));
+      html += fmt::format("<li>{} {}</li>\n", html_text(row.front().text),
+                          verdict_badge(row[verdict].text, row[verdict].mark));
   return html.empty() ? html : "<ul class=\"notes\">\n" + html + "</ul>\n";
 }
 
@@ -49,7 +50,7 @@ std::string table_link(const Table& table) {
   const std::string id = html_text(table.id);
   const std::string rows =
       table.rows_in.empty() ? fmt::format(" <small>{} rows</small>", table.rows.size()) : std::string();
-  return fmt::format("<li>{}{} <a href=\"tables/{}.csv\">CSV</a></li>\n", html_title(table.title), rows, id);
+  return fmt::format("<li>{}{} <a href=\"tables/{}.csv\">CSV</a></li>\n", html_title(table), rows, id);
 }
 
 std::string figure_link(const DrawnFigure& drawn) {

@@ -218,7 +218,7 @@ std::optional<std::string> tabular_of(const Table& table, const std::vector<std:
           "\\begin{{{0}}}\n\\centering\\{1}\\setlength{{\\tabcolsep}}{{2pt}}\n\\caption{{{2}}}\\label{{tab:{"
           "3}}}\n"
           "\\begin{{tabular}}{{{4}}}\n\\toprule\n{5}\\bottomrule\n\\end{{tabular}}\n{6}\\end{{{0}}}\n",
-          kind, size.name, latex_text(table.title), table.id, alignment, body, notes);
+          kind, size.name, latex_text(table.whole_title()), table.id, alignment, body, notes);
     }
   return std::nullopt;
 }

@@ -113,7 +113,7 @@ std::string markdown_of(const Table& table) {
     for (const auto& row : table.rows) width = std::max(width, width_of(markdown_of(row[c])));
     widths.push_back(width);
   }
-  std::string text = "**" + one_line(table.title) + "**\n\n|", rule = "|";
+  std::string text = "**" + one_line(table.whole_title()) + "**\n\n|", rule = "|";
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const bool left = table.columns[c].is_text;
     text += ' ' + padded(header_of(table.columns[c]), widths[c], left) + " |";
@@ -166,9 +166,11 @@ std::string terminal_text(const Table& table, std::size_t width) {
   for (std::size_t c = 0; c < columns.size(); ++c)
     for (std::size_t r = 0; r <= rows; ++r) lines[r] += (c == 0 ? "" : "  ") + columns[c][r];
   std::string text;
-  for (const std::string& line : lines_of(one_line(table.title), width)) text += line + '\n';
+  for (const std::string& line : lines_of(one_line(table.whole_title()), width)) text += line + '\n';
   for (const std::string& line : lines) text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
-  const auto is_marked = [](const TableValue& value) { return value.mark != TableValue::Mark::none; };
+  const auto is_marked = [](const TableValue& value) {
+    return value.mark != TableValue::Mark::none && !value.is_verdict();
+  };
   if (std::ranges::any_of(table.rows, [&](const auto& row) { return std::ranges::any_of(row, is_marked); }))
     text += "*: the least error; ≈: cannot be distinguished from it on the samples that both answer\n";
   if (const std::size_t left = table.rows.size() - rows; left > 0)

@@ -15,20 +15,24 @@ Table changes_table(const ErrorChanges& changes) {
     if (a.is_real() != b.is_real()) return a.is_real();
     return std::abs(a.difference_m) > std::abs(b.difference_m);
   });
-  Table table =
-      table_of<R>("changes",
-                  fmt::format("What changed from {} to {}: mean error in cm ({} participants, {})",
-                              changes.before, changes.after, changes.participants,
-                              changes.paired ? "the same in both" : "others in each"),
-                  rows,
-                  {{"condition", "condition", as_text(&R::condition)},
-                   {"method", "method", as_text(&R::method)},
-                   {"before (cm)", "before_mae_cm", in_cm(&R::before_m)},
-                   {"after (cm)", "after_mae_cm", in_cm(&R::after_m)},
-                   {"after - before (cm)", "difference_cm", in_cm(&R::difference_m, &R::low_m, &R::high_m)},
-                   {"differs", "differs", as_text([](const R& r) {
-                      return !r.is_real() ? "no" : r.difference_m < 0.0 ? "better" : "worse";
-                    })}});
+  Table table = table_of<R>(
+      "changes",
+      fmt::format("What changed from {} to {}: mean error in cm ({} participants, {})", changes.before,
+                  changes.after, changes.participants,
+                  changes.paired ? "the same in both" : "others in each"),
+      rows,
+      {{"condition", "condition", as_text(&R::condition)},
+       {"method", "method", as_text(&R::method)},
+       {"before (cm)", "before_mae_cm", in_cm(&R::before_m)},
+       {"after (cm)", "after_mae_cm", in_cm(&R::after_m)},
+       {"after - before (cm)", "difference_cm", in_cm(&R::difference_m, &R::low_m, &R::high_m)},
+       {"differs", "differs",
+        CellOf{[](const R& r) {
+                 if (!r.is_real()) return TableValue::of("no");
+                 return r.difference_m < 0.0 ? TableValue::marked("better", TableValue::Mark::good)
+                                             : TableValue::marked("worse", TableValue::Mark::bad);
+               },
+               true}}});
   add_notes(table, "changes");
   return table;
 }

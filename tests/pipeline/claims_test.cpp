@@ -29,7 +29,7 @@ ClaimNumber number_of(const MeasuredNumber& number, const ClaimBound& bound, con
 JudgedClaim judge(const std::vector<ClaimNumber>& numbers) {
   return judge_claims(std::array{claim_named("c")}, numbers)[0];
 }
-std::string verdict(const MeasuredNumber& number, const ClaimBound& bound) {
+ClaimVerdict verdict(const MeasuredNumber& number, const ClaimBound& bound) {
   return judge({number_of(number, bound)}).verdict;
 }
 
@@ -44,8 +44,8 @@ TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
 
 TEST(Claims, AreDecidedWhereTheIntervalLeavesTheMarginOut) {
   for (const double off : {2.14, 2.12}) {  // quantile of 15 degrees: 2.1314
-    const std::string decided = off > 2.1314 ? kHolds : kUndecided,
-                      failed = off > 2.1314 ? kDoesNotHold : kUndecided;
+    const ClaimVerdict decided = off > 2.1314 ? ClaimVerdict::holds : ClaimVerdict::undecided,
+                      failed = off > 2.1314 ? ClaimVerdict::does_not_hold : ClaimVerdict::undecided;
     EXPECT_EQ(verdict(estimate(0.1 + 0.01 * off, 0.01), more_than(10)), decided);
     EXPECT_EQ(verdict(estimate(0.1 - 0.01 * off, 0.01), more_than(10)), failed);
     EXPECT_EQ(verdict(estimate(0.1 - 0.01 * off, 0.01), less_than(10)), decided);
@@ -53,17 +53,18 @@ TEST(Claims, AreDecidedWhereTheIntervalLeavesTheMarginOut) {
     EXPECT_EQ(verdict(estimate(-0.1 + 0.01 * off, 0.01), within(10)), decided);
     EXPECT_EQ(verdict(estimate(-0.1 - 0.01 * off, 0.01), within(10)), failed);
   }
-  EXPECT_EQ(verdict(estimate(0.5, kNaN, 1), more_than(10)), kUndecided);  // no interval
-  EXPECT_EQ(verdict(estimate(0.5, 0.0), more_than(10)), kUndecided);      // nothing is known of the spread
+  EXPECT_EQ(verdict(estimate(0.5, kNaN, 1), more_than(10)), ClaimVerdict::undecided);  // no interval
+  EXPECT_EQ(verdict(estimate(0.5, 0.0), more_than(10)),
+            ClaimVerdict::undecided);  // nothing is known of the spread
 }
 
 TEST(Claims, OfSeveralNumbersAllHaveToHold) {
   const ClaimNumber yes = number_of(estimate(0.3, 0.01), more_than(10)),
                     no = number_of(estimate(0.05, 0.01), more_than(10)),
                     open = number_of(estimate(0.11, 0.01), more_than(10));
-  EXPECT_EQ(judge({yes, yes}).verdict, kHolds);
-  EXPECT_EQ(judge({yes, no}).verdict, kDoesNotHold);
-  EXPECT_EQ(judge({yes, open}).verdict, kUndecided);
+  EXPECT_EQ(judge({yes, yes}).verdict, ClaimVerdict::holds);
+  EXPECT_EQ(judge({yes, no}).verdict, ClaimVerdict::does_not_hold);
+  EXPECT_EQ(judge({yes, open}).verdict, ClaimVerdict::undecided);
 }
 
 TEST(Claims, ManyThatAreTestedAreEachHarderToDecide) {
@@ -71,15 +72,15 @@ TEST(Claims, ManyThatAreTestedAreEachHarderToDecide) {
   const MeasuredNumber likely = estimate(0.125, 0.01);  // p = 0.025
   const std::vector<ClaimNumber> numbers{number_of(likely, more_than(10)),
                                          number_of(likely, more_than(10), "d")};
-  EXPECT_EQ(judge({numbers[0]}).verdict, kHolds);
+  EXPECT_EQ(judge({numbers[0]}).verdict, ClaimVerdict::holds);
   const std::vector<JudgedClaim> both =
       judge_claims(std::array{one, two, claim_named("not measured")}, numbers);
-  EXPECT_EQ(both[0].verdict, kHolds);  // 0.049
+  EXPECT_EQ(both[0].verdict, ClaimVerdict::holds);  // 0.049
   EXPECT_NEAR(both[0].p, 2.0 * judge({numbers[0]}).p, 1e-12);
   const std::vector<JudgedClaim> three =
       judge_claims(std::array{one, two, claim_named("e")},
                    std::vector{numbers[0], numbers[1], number_of(likely, more_than(10), "e")});
-  EXPECT_EQ(three[0].verdict, kUndecided);
+  EXPECT_EQ(three[0].verdict, ClaimVerdict::undecided);
 }
 
 // All of 16 runs right: no more is known than that the share of runs is above 79 %.
@@ -89,9 +90,10 @@ TEST(Claims, SharesHaveExactIntervalsAndNeverAnImpossibleProbability) {
   EXPECT_EQ(all.value, 100.0);
   EXPECT_EQ(all.high, 100.0);
   EXPECT_NEAR(all.low, 79.4, 0.1);
-  EXPECT_EQ(judge({all}).verdict, kUndecided);
-  EXPECT_EQ(verdict(estimate_share(frames, frames), more_than(50)), kHolds);
-  EXPECT_EQ(verdict(estimate_share(std::vector<double>(16, 10.0), frames), more_than(50)), kDoesNotHold);
+  EXPECT_EQ(judge({all}).verdict, ClaimVerdict::undecided);
+  EXPECT_EQ(verdict(estimate_share(frames, frames), more_than(50)), ClaimVerdict::holds);
+  EXPECT_EQ(verdict(estimate_share(std::vector<double>(16, 10.0), frames), more_than(50)),
+            ClaimVerdict::does_not_hold);
   std::vector<double> taken = frames;
   taken[3] = 980.0;
   const ClaimNumber most = number_of(estimate_share(taken, frames), more_than(99.98));
@@ -109,11 +111,11 @@ TEST(Claims, AShareThatSoFewClustersCannotShowIsNotTested) {
     return judge_claims(std::array{claim},
                         std::vector{number_of(estimate_share(taken, frames), more_than(percent))})[0];
   };
-  EXPECT_EQ(judged(frames, 99.0).verdict, kCannotTest);
+  EXPECT_EQ(judged(frames, 99.0).verdict, ClaimVerdict::cannot_test);
   EXPECT_THAT(judged(frames, 99.0).reason,
               HasSubstr("16 participants cannot show more than 99 %: 368 would be"));
-  EXPECT_EQ(judged(frames, 75.0).verdict, kHolds);
-  EXPECT_EQ(judged(std::vector<double>(16, 500.0), 99.0).verdict, kDoesNotHold);
+  EXPECT_EQ(judged(frames, 75.0).verdict, ClaimVerdict::holds);
+  EXPECT_EQ(judged(std::vector<double>(16, 500.0), 99.0).verdict, ClaimVerdict::does_not_hold);
 }
 
 TEST(Claims, WhatIsListedWholeHasNoProbability) {
@@ -122,8 +124,8 @@ TEST(Claims, WhatIsListedWholeHasNoProbability) {
   const auto of = [&](double share) {
     return judge_claims(std::array{listed}, std::vector{number_of(share, more_than(50))})[0];
   };
-  EXPECT_EQ(of(0.6).verdict, kHolds);
-  EXPECT_EQ(of(0.4).verdict, kDoesNotHold);
+  EXPECT_EQ(of(0.6).verdict, ClaimVerdict::holds);
+  EXPECT_EQ(of(0.4).verdict, ClaimVerdict::does_not_hold);
   EXPECT_TRUE(std::isnan(of(0.6).p));
 }
 
@@ -182,7 +184,7 @@ TEST(Claims, WithoutTruthNothingIsAnError) {
   for (const ClaimNumber& number : study.claims()) EXPECT_THAT(number.missing, HasSubstr("motion capture"));
   const auto judged = judge_claims(paper_claims(), study.claims());
   const auto linear = std::ranges::find(judged, "better_than_linear", &JudgedClaim::id);
-  EXPECT_EQ(linear->verdict, kCannotTest);
+  EXPECT_EQ(linear->verdict, ClaimVerdict::cannot_test);
   EXPECT_THAT(linear->reason, HasSubstr("needs motion capture"));
 }
 
@@ -230,7 +232,8 @@ TEST(Claims, TheWristOfTheFigureIsJudgedByItsLargestError) {
 
 TEST(Claims, AreHonestWithoutResults) {
   for (const JudgedClaim& claim : judge_claims(paper_claims(), {})) {
-    EXPECT_THAT(claim.verdict, testing::AnyOf(kCannotTest, kContradicts)) << claim.id;
+    EXPECT_THAT(claim.verdict, testing::AnyOf(ClaimVerdict::cannot_test, ClaimVerdict::contradicts))
+        << claim.id;
     EXPECT_FALSE(claim.reason.empty()) << claim.id;
   }
 }
@@ -254,7 +257,7 @@ bool has_false_verdict(const std::vector<JudgedClaim>& claims) {
   return std::ranges::any_of(claims, [](const JudgedClaim& c) {
     const bool is_absolute = c.id == "wrist_deviation" || c.id == "clock_good_enough" || c.numbers.empty();
     const bool says_same = !c.numbers.empty() && c.numbers.front().bound.starts_with("within");
-    return !is_absolute && c.verdict == (says_same ? kDoesNotHold : kHolds);
+    return !is_absolute && c.verdict == (says_same ? ClaimVerdict::does_not_hold : ClaimVerdict::holds);
   });
 }
 
@@ -280,7 +283,7 @@ TEST(Claims, OfCampaignsWithALargeDifferenceMostVerdictsAreTrue) {
   int holds = 0, measured = 0;
   for (const JudgedClaim& c : judge_claims(paper_claims(), MadeCampaign{.factor = 1.4}.draw(1))) {
     measured += !c.numbers.empty();
-    holds += c.verdict == kHolds;
+    holds += c.verdict == ClaimVerdict::holds;
   }
   EXPECT_GE(measured, 15);
   EXPECT_GE(holds, 5);
@@ -292,7 +295,7 @@ TEST(ClaimsTable, ShowsEveryNumberWithItsInterval) {
   const Table table = claims_table(findings);
   ASSERT_EQ(table.rows.size(), findings.claims.size());
   for (std::size_t k = 0; k < table.rows.size(); ++k) {
-    EXPECT_EQ(table.rows[k][1].text, findings.claims[k].verdict);
+    EXPECT_EQ(table.rows[k][1].text, name_of(findings.claims[k].verdict));
     if (findings.claims[k].numbers.empty()) continue;
     EXPECT_THAT(table.rows[k][4].text, HasSubstr(" to ")) << k;
   }

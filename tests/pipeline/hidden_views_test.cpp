@@ -67,7 +67,7 @@ TEST(Bounds, AreOfTheTruthsGeometryAndTheRangesErrors) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "c", synchronised(without_noise(walking_spec(1, 2.0))));
   const Plan plan = make_plan(study_of(R"("joints": ["head"], "methods": [{"method": "mean"}])"), campaign);
-  TakeData data = load_take(plan, plan.takes[0], {});
+  PreparedTake data = load_take(plan, plan.takes[0], {});
   double gdop = 0.0, count = 0.0;
   for (std::size_t i = 0; i < data.time.size(); ++i) {
     const Eigen::Vector3d& truth_m = data.truth(i, 0, 1);

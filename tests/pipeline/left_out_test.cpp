@@ -66,8 +66,8 @@ TEST(LeftOut, TheSensorsTrackedJointsAreTheTruthAndNoMethodSeesThem) {
   const Plan plan = make_plan(study_of(kMethods), blind_campaign(folder, 1));
   const PlannedTake& planned = plan.takes[0];
   RecordedTake recorded = read_take(plan, planned, {});
-  const TakeData followed = follow_person(plan, planned, recorded);
-  const TakeData data = see_take(plan, planned, followed, std::nullopt, 2, {});
+  const FollowedTake followed = follow_person(plan, planned, recorded);
+  const PreparedTake data = view_take(plan, planned, followed, std::nullopt, 2, {});
   std::size_t tracked = 0, inferred = 0;
   for (std::size_t i = 0; i < data.time.size(); ++i) {
     for (std::size_t j = 0; j < plan.joints.size(); ++j) {

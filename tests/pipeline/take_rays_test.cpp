@@ -36,7 +36,7 @@ struct SeenTake {
   ScratchFolder folder;
   Campaign campaign;
   Plan plan;
-  TakeData data;
+  PreparedTake data;
 };
 
 TEST(TakeRays, AnInstantIsJudgedWithTheSigmasOfTheOtherHalf) {

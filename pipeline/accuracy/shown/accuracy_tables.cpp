@@ -74,22 +74,23 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
       {"iterations", "iterations", value_of(numbers, {.measure = "iterations", .statistic = "mean"}, 1)});
   columns.push_back(
       {"statuses", "statuses", as_text([&](const Row& row) { return statuses_of(numbers, row); })});
-  Table table = table_of<Row>(
-      id_of("accuracy", condition, alignment),
-      fmt::format("Position error by joint group and method ({})", about(s, condition, alignment)),
-      rows_of(s, condition, alignment), columns);
+  Table table = table_of<Row>(id_of("accuracy", condition, alignment),
+                              {"Position error by joint group and method", about(s, condition, alignment)},
+                              rows_of(s, condition, alignment), columns);
   add_error_notes(s, condition, alignment, "accuracy", table);
   return table;
 }
 
-std::string verdict_of(const ResultsSummary& s, const Row& row) {
+TableValue verdict_cell(const ResultsSummary& s, const Row& row) {
   const Number* difference = find_difference(s, row.method, row.condition, row.group, row.alignment);
-  if (!difference || std::isnan(difference->low)) return "–";
-  if (!is_significant(*difference)) return "no";
-  std::string verdict = difference->value < 0.0 ? "better" : "worse";
+  if (!difference || std::isnan(difference->low)) return TableValue::of("–");
+  if (!is_significant(*difference)) return TableValue::of("no");
+  const bool is_better = difference->value < 0.0;
+  const std::string verdict = is_better ? "better" : "worse";
   const double coverage = coverage_of(s, row.method, row.condition, row.group, row.alignment);
-  if (coverage < kLeastCoverage) verdict += fmt::format(", where it answers ({:.0f} %)", 100.0 * coverage);
-  return verdict;
+  if (coverage < kLeastCoverage)
+    return TableValue::of(fmt::format("{}, where it answers ({:.0f} %)", verdict, 100.0 * coverage));
+  return TableValue::marked(verdict, is_better ? TableValue::Mark::good : TableValue::Mark::bad);
 }
 
 TableValue error_cell(const ResultsSummary& s, const Row& row) {
@@ -127,10 +128,10 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
           methods, [&](const std::string& method) { return answered_share(s, condition, method) < kWhole; }))
     columns.push_back({"answered (%)", "answered_percent",
                        in_percent([&](const Row& row) { return answered_share(s, condition, row.method); })});
-  Table table = table_of<Row>(usable_id("errors-" + (condition.empty() ? "all" : condition)),
-                              fmt::format("Mean error in cm by joint and method, with its 95 % interval ({})",
-                                          about(s, condition, alignment)),
-                              rows, columns);
+  Table table = table_of<Row>(
+      usable_id("errors-" + (condition.empty() ? "all" : condition)),
+      {"Mean error in cm by joint and method, with its 95 % interval", about(s, condition, alignment)}, rows,
+      columns);
   table.first_rows = leading;
   add_error_notes(s, condition, alignment, "best_in_bold", table);
   return table;
@@ -168,8 +169,9 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
   };
   Table table = table_of<Row>(
       id_of("differences", condition, alignment),
-      fmt::format("Mean absolute error, method less \"{}\", over the samples that both answered ({})",
-                  s.reference, about(s, condition, alignment)),
+      {fmt::format("Mean absolute error, method less \"{}\", over the samples that both answered",
+                   s.reference),
+       about(s, condition, alignment)},
       rows,
       {{"joint", "joint", as_text(&Row::group)},
        {"method", "method", as_text(&Row::method)},
@@ -177,7 +179,7 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
        {"difference (cm)", "difference_cm", interval_of(numbers, statistic("difference"))},
        {fmt::format("% of {}", s.reference), "percent_of_reference", interval_of(numbers, relative, 1)},
        {"% of method", "percent_of_method", as_number(1, share_of_method)},
-       {"differs", "differs", as_text([&](const Row& row) { return verdict_of(s, row); })}});
+       {"differs", "differs", CellOf{[&](const Row& row) { return verdict_cell(s, row); }, true}}});
   add_notes(table, "differences", {{"reference", s.reference}});
   table.notes.push_back(interval_note(s));
   return table;
@@ -199,8 +201,7 @@ Table bodies_table(const ResultsSummary& s, const std::string& condition) {
       rows.push_back(row);
   }
   Table table = table_of<Row>(
-      usable_id("bodies-" + condition),
-      fmt::format("Whole bodies by method ({})", about(s, condition, alignment)), rows,
+      usable_id("bodies-" + condition), {"Whole bodies by method", about(s, condition, alignment)}, rows,
       {{"method", "method", as_text(&Row::method)},
        {"instants", "instants",
         count_of(numbers, {.alignment = alignment, .measure = "mpjpe", .statistic = "mean"})},
@@ -237,8 +238,9 @@ Table agreement_table(const ResultsSummary& s, const std::string& condition, con
                           .measure = axis});
   Table table = table_of<Row>(
       id_of("agreement", condition, alignment),
-      fmt::format("Agreement with the truth by axis: bias and 95 % limits ({}, {}, {}; alignment: {})",
-                  s.campaign, condition, s.simulated ? "simulated sensors" : "recorded", alignment),
+      {"Agreement with the truth by axis: bias and 95 % limits",
+       fmt::format("{}, {}, {}; alignment: {}", s.campaign, condition,
+                   s.simulated ? "simulated sensors" : "recorded", alignment)},
       rows,
       {{"method", "method", as_text(&Row::method)},
        {"joint group", "group", as_text(&Row::group)},

@@ -33,8 +33,8 @@ Table angle_table(const ResultsSummary& s, const std::string& condition) {
     }
   Table table = table_of<NumberKey>(
       usable_id("angles-" + condition),
-      fmt::format("Joint angles in degrees ({}, {}, {})", s.campaign, condition,
-                  s.simulated ? "simulated sensors" : "recorded"),
+      {"Joint angles in degrees",
+       fmt::format("{}, {}, {}", s.campaign, condition, s.simulated ? "simulated sensors" : "recorded")},
       rows,
       {{"angle", "angle", as_text(&NumberKey::group)},
        {"method", "method", as_text(&NumberKey::method)},

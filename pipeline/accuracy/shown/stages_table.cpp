@@ -68,10 +68,10 @@ std::vector<std::optional<ErrorChanges>> changes_of(const ResultsSummary& s, con
 Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vector<std::string>& stages) {
   Table table;
   table.id = usable_id(of.activity.empty() ? "stages" : "stages-" + of.activity);
-  table.title = fmt::format(
-      "Stage by stage: mean error in cm, average of the joint groups, and how it changes "
-      "from the stage before ({})",
-      about(s, of.activity, s.alignments.front()));
+  table.title =
+      "Stage by stage: mean error in cm, average of the joint groups, and how it changes from the stage "
+      "before";
+  table.about = about(s, of.activity, s.alignments.front());
   table.columns = {{"method", "method", true},
                    {"stage", "stage", true},
                    interval_column("change (cm)", "change_cm"),

@@ -52,8 +52,8 @@ Table takes_table(const ResultsSummary& s, const std::string& condition) {
   const std::string best = found ? found->method : s.reference;
   Table table;
   table.id = usable_id("takes-" + condition);
-  table.title = fmt::format("By take, the largest error first: mean error in cm of all joints ({})",
-                            about(s, condition, s.alignments.front()));
+  table.title = "By take, the largest error first: mean error in cm of all joints";
+  table.about = about(s, condition, s.alignments.front());
   table.columns = {{"take", "take", true}, {"participant", "participant", true}};
   for (const std::string& method : methods) table.columns.push_back({method, method + "_mae_cm"});
   table.columns.push_back({"answered (%)", "answered_percent"});
@@ -126,7 +126,7 @@ std::vector<Table> apart_tables(const ResultsSummary& s) {
   if (rows.empty()) return {};
   using R = TakeJointRow;
   return {table_of<R>("by-take-and-joint",
-                      "Error of each joint of each take (" + about(s, "", s.alignments.front()) + ")", rows,
+                      {"Error of each joint of each take", about(s, "", s.alignments.front())}, rows,
                       {{"take", "take", as_text(&R::take)},
                        {"participant", "participant", as_text(&R::participant)},
                        {"condition", "condition", as_text(&R::condition)},
@@ -163,8 +163,7 @@ Table files_table(const ResultsSummary& s, const std::string& condition) {
   const auto bias = [](std::size_t axis) { return in_cm([=](const R& r) { return r.bias_m[axis]; }); };
   Table table = table_of<R>(
       usable_id("files-" + condition),
-      fmt::format("Mean error and bias over the joints that a method answers ({})", about(s, condition, "")),
-      rows,
+      {"Mean error and bias over the joints that a method answers", about(s, condition, "")}, rows,
       {{"alignment", "alignment", as_text(&R::alignment)},
        {"method", "method", as_text(&R::method)},
        {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, &R::low_m, &R::high_m)},

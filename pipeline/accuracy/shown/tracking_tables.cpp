@@ -34,9 +34,7 @@ Table clocks_table(const TrackingSummary& s) {
     return [=](const R& r) { return r.*seconds * kMillisecondsPerSecond; };
   };
   Table table = table_of<R>(
-      "clocks",
-      fmt::format("Offset between mocap and sensors by motion, the trackers' lag included ({})",
-                  data_text(s)),
+      "clocks", {"Offset between mocap and sensors by motion, the trackers' lag included", data_text(s)},
       s.clocks,
       {{"take", "take", as_text(&R::take)},
        {"offset (ms)", "offset_ms", as_number(2, ms(&R::offset_s), ms(&R::low_s), ms(&R::high_s))},
@@ -52,13 +50,13 @@ Table clocks_table(const TrackingSummary& s) {
 
 Table rays_table(const TrackingSummary& s) {
   using R = RayRow;
-  Table table = table_of<R>(
-      "rays", fmt::format("How sensors disagree along and across their rays ({})", data_text(s)), s.rays,
-      {{"take", "take", as_text(&R::take)},
-       {"along (cm)", "range_cm", in_cm(&R::range_m)},
-       {"across (cm)", "bearing_cm", in_cm(&R::bearing_m)},
-       {"along / across", "ratio", as_number(2, &R::ratio, &R::ratio_low, &R::ratio_high)},
-       {"", "problem", as_text(&R::problem)}});
+  Table table =
+      table_of<R>("rays", {"How sensors disagree along and across their rays", data_text(s)}, s.rays,
+                  {{"take", "take", as_text(&R::take)},
+                   {"along (cm)", "range_cm", in_cm(&R::range_m)},
+                   {"across (cm)", "bearing_cm", in_cm(&R::bearing_m)},
+                   {"along / across", "ratio", as_number(2, &R::ratio, &R::ratio_low, &R::ratio_high)},
+                   {"", "problem", as_text(&R::problem)}});
   add_notes(table, "rays");
   return table;
 }
@@ -68,17 +66,16 @@ Table rules_table(const TrackingSummary& s) {
   const auto share = [](std::uint64_t R::*part, std::uint64_t R::*whole) {
     return in_percent([=](const R& r) { return share_of(r.*part, r.*whole); });
   };
-  Table table = table_of<R>(
-      "rules", fmt::format("Whether rules find the views that truly hide a joint ({})", data_text(s)),
-      s.rules,
-      {{"condition", "condition", as_text(&R::condition)},
-       {"joint", "joint", as_text(&R::group)},
-       {"rule", "rule", as_text(&R::rule)},
-       {"views", "views", as_count(&R::views)},
-       {"hidden (%)", "hidden_percent", share(&R::hidden, &R::views)},
-       {"marked (%)", "marked_percent", share(&R::marked, &R::views)},
-       {"precision (%)", "precision_percent", share(&R::both, &R::marked)},
-       {"recall (%)", "recall_percent", share(&R::both, &R::hidden)}});
+  Table table =
+      table_of<R>("rules", {"Whether rules find the views that truly hide a joint", data_text(s)}, s.rules,
+                  {{"condition", "condition", as_text(&R::condition)},
+                   {"joint", "joint", as_text(&R::group)},
+                   {"rule", "rule", as_text(&R::rule)},
+                   {"views", "views", as_count(&R::views)},
+                   {"hidden (%)", "hidden_percent", share(&R::hidden, &R::views)},
+                   {"marked (%)", "marked_percent", share(&R::marked, &R::views)},
+                   {"precision (%)", "precision_percent", share(&R::both, &R::marked)},
+                   {"recall (%)", "recall_percent", share(&R::both, &R::hidden)}});
   add_notes(table, "rules");
   return table;
 }
@@ -127,8 +124,8 @@ std::vector<Table> prediction_tables(const ResultsSummary& s) {
   if (rows.empty()) return {};
   Table table = table_of<NumberKey>(
       "predictions",
-      fmt::format("What a sensor sees, predicted from the others ({}, {} sensors)", s.study,
-                  s.simulated ? "simulated" : "recorded"),
+      {"What a sensor sees, predicted from the others",
+       fmt::format("{}, {} sensors", s.study, s.simulated ? "simulated" : "recorded")},
       rows,
       {{"condition", "condition", as_text(&NumberKey::condition)},
        {"method", "method", as_text(&NumberKey::method)},
@@ -160,7 +157,7 @@ std::string ray_text(const RayRow& row) {
 
 Table checks_table(const TrackingSummary& s) {
   Table table{"checks",
-              fmt::format("What each take was checked by ({})", data_text(s)),
+              "What each take was checked by",
               {{"take", "take", true},
                {"sensor or joint", "subject", true},
                {"check", "what", true},
@@ -170,6 +167,7 @@ Table checks_table(const TrackingSummary& s) {
                {"beyond", "beyond", true}},
               {},
               {}};
+  table.about = data_text(s);
   for (const CheckRow& row : s.checks) {
     const ShownUnit unit = shown_unit(row.unit);
     table.rows.push_back(

@@ -61,7 +61,7 @@ bool knows_hidden_views(const Take& take) {
   return !take.session.empty() && std::filesystem::exists(true_joints(take));
 }
 
-OcclusionCounts hidden_views(const PlannedTake& planned, const TakeData& data,
+OcclusionCounts hidden_views(const PlannedTake& planned, const PreparedTake& data,
                              const std::function<bool()>& stop_requested) {
   if (!knows_hidden_views(planned.take))
     throw InputError(planned.take.session.string(),
@@ -85,7 +85,7 @@ OcclusionCounts hidden_views(const PlannedTake& planned, const TakeData& data,
   return counts;
 }
 
-std::vector<RuleRow> judge_rules(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+std::vector<RuleRow> judge_rules(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   const auto counts = [&](OcclusionRule rule) -> const OcclusionCounts& {
     return data.occlusions[static_cast<std::size_t>(rule)];
   };
@@ -120,7 +120,7 @@ std::vector<RuleRow> judge_rules(const Plan& plan, const PlannedTake& planned, c
   return rows;
 }
 
-std::vector<BoundRow> bounds_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+std::vector<BoundRow> bounds_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   std::vector<BoundRow> rows;
   std::vector<JointObservation> seen(plan.rig.size());
   for (std::size_t i = 0; i < data.time.size(); ++i)

@@ -21,7 +21,7 @@ std::string stated_text(double sigma, const char* unit) {
 
 class PoseChecker {
  public:
-  PoseChecker(const Plan& plan, const PlannedTake& planned, const TakeData& data)
+  PoseChecker(const Plan& plan, const PlannedTake& planned, const PreparedTake& data)
       : plan_(plan), planned_(planned), data_(data) {}
 
   TakeChecks run() {
@@ -72,17 +72,17 @@ class PoseChecker {
 
   const Plan& plan_;
   const PlannedTake& planned_;
-  const TakeData& data_;
+  const PreparedTake& data_;
   TakeChecks checks_;
 };
 
 }  // namespace
 
-TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   return PoseChecker(plan, planned, data).run();
 }
 
-std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   std::vector<CheckRow> rows;
   if (!planned.level) return rows;  // they are not looked for
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {

@@ -31,7 +31,7 @@ struct Observations {
   }
 };
 
-void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, const SampleBlock& block,
+void gather(const Plan& plan, const PlannedTake& planned, const PreparedTake& data, const SampleBlock& block,
             Observations& seen) {
   seen.values.resize(block.instants * seen.joints * seen.sensors);
   for (std::uint64_t i = 0; i < block.instants; ++i)
@@ -41,7 +41,7 @@ void gather(const Plan& plan, const PlannedTake& planned, const TakeData& data, 
 }
 
 // The instants of a block and their truth.
-void begin_block(const Plan& plan, const TakeData& data, std::uint64_t first, SampleBlock& block) {
+void begin_block(const Plan& plan, const PreparedTake& data, std::uint64_t first, SampleBlock& block) {
   const std::size_t names = plan.names.size();
   block.reset(first, std::min<std::uint64_t>(kBlock, data.time.size() - first), names, plan.methods.size());
   for (std::uint64_t i = 0; i < block.instants; ++i) {
@@ -80,7 +80,7 @@ bool sees(const Observations& seen, const Method& method) {
 
 // Every method that takes instants by themselves, and the rig as it is seen, on a few of them, which are few
 // enough to stay in the cache.
-void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+void solve_instants(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                     const Observations& seen, std::uint64_t first, std::uint64_t last, SampleBlock& block) {
   const std::vector<RigidTransform>& rig = rig_of(planned, data, seen.is_corrected);
   std::vector<JointInstant> instants;
@@ -108,7 +108,7 @@ void solve_instants(const Plan& plan, const PlannedTake& planned, const TakeData
 // Beyond this allowance for rounding a lower objective of Ceres counts as one that ours lost.
 constexpr double kSameCost = 1.0 + 1e-9, kSameCost_m2 = 1e-15;
 
-TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                               const Observations& seen, std::uint64_t i, const Method& method,
                               std::uint64_t number) {
   TakeCheck check;
@@ -149,7 +149,7 @@ void store_path(const Plan& plan, const MethodPaths& paths, SampleBlock& block) 
 }
 
 // Adds how Ceres compares to `sums`, by checked method.
-void solve_block(const Plan& plan, const PlannedTake& planned, const TakeData& data, bool cross_check,
+void solve_block(const Plan& plan, const PlannedTake& planned, const PreparedTake& data, bool cross_check,
                  SampleBlock& block, std::vector<TakeCheck>& sums) {
   const auto checked = cross_check ? checked_methods(plan) : std::vector<const Method*>{};
   const std::uint64_t count = block.instants;
@@ -179,8 +179,8 @@ bool is_windowed(const Method& method) { return method.spec.kind->over_time == s
 
 // All methods that need whole paths, one after the other: each by itself uses all threads, and windows most
 // memory, so that they come before there are paths.
-std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned, const TakeData& data,
-                                         const OverTimeCalls& calls) {
+std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned,
+                                         const PreparedTake& data, const OverTimeCalls& calls) {
   std::vector<std::int64_t> time_ns;
   for (const HostTime t : data.time) time_ns.push_back(t.ns);
   std::vector<std::size_t> methods;
@@ -218,7 +218,7 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
   return checked;
 }
 
-std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                                   std::span<const MethodPaths> brought, bool cross_check, const Watch& watch,
                                   const std::function<void(const SampleBlock&)>& each) {
   const auto windowed = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, is_windowed));

@@ -27,14 +27,14 @@ SensorChecks check_sensors(const Plan& plan, const PlannedTake& planned, const B
 // Checks of the truth against the mean of the sensors, however the two worlds lie, by fit_streams(): a
 // mirrored one, another unit, of all or of one joint; joints that are exchanged in the mapping; and joints
 // far from where they should be. A sound take has no note.
-TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
 
 // How each sensor is turned, shifted and measures beside its calibration, by the bodies (`data.shown`). A
 // note where check_sensors() has none. Without rows where the bodies show nothing of the calibration.
-TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+TakeChecks check_poses(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
 
 // In which share of the instants a sensor was found to have left and right exchanged; without rows in a world
 // that is not level.
-std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const TakeData& data);
+std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
 
 }  // namespace trilat

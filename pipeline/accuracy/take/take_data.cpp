@@ -42,13 +42,13 @@ std::vector<TakeNote> notes_on_truth(const PlannedTake& planned, const SampledTr
 
 // Puts the truth where the clock's offset says.
 void apply_clock(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested,
-                 TakeData& data) {
+                 PreparedTake& data) {
   data.clock.applied = true;
   data.truth_m =
       sample_truth(plan, planned, duration_from_s(data.clock.offset_s), false, stop_requested).at_instants_m;
 }
 
-void append(TakeChecks more, TakeData& data) {
+void append(TakeChecks more, FollowedTake& data) {
   std::ranges::move(more.rows, std::back_inserter(data.checks));
   std::ranges::move(more.notes, std::back_inserter(data.notes));
 }
@@ -121,7 +121,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
 
 // Chooses the person and takes their bodies at the instants.
 void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen, bool has_truth,
-                   TakeData& data) {
+                   FollowedTake& data) {
   append({{}, notes_on_streams(plan, planned, seen)}, data);
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
@@ -166,7 +166,7 @@ void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& p
 }
 
 void repair(const Plan& plan, const PlannedTake& planned, std::optional<std::size_t> left_out,
-            TakeData& data) {
+            PreparedTake& data) {
   const std::size_t rig = plan.rig.size();
   data.exchanges = {rig, std::vector<std::uint8_t>(data.time.size() * rig, 0),
                     std::vector<std::size_t>(rig, 0)};
@@ -190,7 +190,7 @@ void repair(const Plan& plan, const PlannedTake& planned, std::optional<std::siz
 }
 
 // Makes what a sensor tracks the truth, and takes its bodies away.
-void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor, TakeData& data) {
+void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor, PreparedTake& data) {
   data.truth_m.assign(data.time.size() * plan.joints.size(), Eigen::Vector3d::Constant(kNaN));
   for (std::size_t i = 0; i < data.time.size(); ++i) {
     ObservedBody& body = data.bodies.at(i, sensor);
@@ -205,7 +205,7 @@ void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor,
 
 // A take whose motion does not say anything about the clock keeps the stated one, with a note.
 void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector<PointPath>& truth,
-                 const std::function<bool()>& stop_requested, TakeData& data) {
+                 const std::function<bool()>& stop_requested, PreparedTake& data) {
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
   data.clock = clock.row;
@@ -251,7 +251,7 @@ OcclusionCounts count_crossings(const BodyTracks& bodies, OcclusionVariant varia
 }
 
 void find_occlusions(const Plan& plan, const PlannedTake& planned,
-                     const std::function<bool()>& stop_requested, TakeData& data) {
+                     const std::function<bool()>& stop_requested, PreparedTake& data) {
   const auto slot = [&](OcclusionRule rule) -> OcclusionCounts& {
     return data.occlusions[static_cast<std::size_t>(rule)];
   };
@@ -281,8 +281,8 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
   return recorded;
 }
 
-TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded) {
-  TakeData data;
+FollowedTake follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded) {
+  FollowedTake data;
   data.time.reserve(planned.instants);
   for (std::uint64_t i = 0; i < planned.instants; ++i) data.time.push_back(planned.start + plan.instant(i));
   const auto note = [&](std::string text) {
@@ -304,9 +304,10 @@ TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTak
   return data;
 }
 
-TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data,
-                  const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
-                  const std::function<bool()>& stop_requested) {
+PreparedTake view_take(const Plan& plan, const PlannedTake& planned, FollowedTake followed,
+                       const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
+                       const std::function<bool()>& stop_requested) {
+  PreparedTake data{std::move(followed)};
   repair(plan, planned, left_out, data);
   if (truth) {
     check_clock(plan, planned, truth->dense, stop_requested, data);
@@ -326,14 +327,14 @@ TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData data,
   return data;
 }
 
-TakeData load_take(const Plan& plan, const PlannedTake& planned,
-                   const std::function<bool()>& stop_requested) {
+PreparedTake load_take(const Plan& plan, const PlannedTake& planned,
+                       const std::function<bool()>& stop_requested) {
   RecordedTake recorded = read_take(plan, planned, stop_requested);
-  TakeData followed = follow_person(plan, planned, recorded);
-  return see_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, stop_requested);
+  FollowedTake followed = follow_person(plan, planned, recorded);
+  return view_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, stop_requested);
 }
 
-void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
+void observe_joint(const PreparedTake& data, std::size_t instant, Joint joint,
                    const std::vector<RigidTransform>& world_from_sensor,
                    std::span<JointObservation> observations) {
   for (std::size_t s = 0; s < observations.size(); ++s) {
@@ -343,25 +344,25 @@ void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
   }
 }
 
-const std::vector<RigidTransform>& rig_of(const PlannedTake& planned, const TakeData& data,
+const std::vector<RigidTransform>& rig_of(const PlannedTake& planned, const PreparedTake& data,
                                           bool is_corrected) {
   return is_corrected ? data.corrected_rig : planned.world_from_sensor;
 }
 
-void observe_joint(const TakeData& data, const PlannedTake& planned, bool is_corrected, std::size_t instant,
-                   Joint joint, std::span<JointObservation> observations) {
+void observe_joint(const PreparedTake& data, const PlannedTake& planned, bool is_corrected,
+                   std::size_t instant, Joint joint, std::span<JointObservation> observations) {
   observe_joint(data, instant, joint, planned.world_from_sensor, observations);
   for (std::size_t s = 0; is_corrected && s < observations.size(); ++s)
     observations[s] = corrected_view(observations[s], planned.world_from_sensor[s], data.shown.of_sensor[s]);
 }
 
-RaySigma sigma_at(const TakeData& data, bool is_corrected, std::size_t instant, std::size_t joint) {
+RaySigma sigma_at(const PreparedTake& data, bool is_corrected, std::size_t instant, std::size_t joint) {
   const std::vector<RaySigma>& sigma = data.sigma[is_corrected];
   if (sigma.empty()) return {kNaN, kNaN};
   return sigma[2 * joint + (instant < data.time.size() / 2 ? 0 : 1)];
 }
 
-JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint) {
+JointOcclusions occlusions_of(const PreparedTake& data, std::size_t instant, Joint joint) {
   JointOcclusions result{};
   for (std::size_t rule = 0; rule < kOcclusionRules; ++rule)
     for (std::size_t s = 0; !data.occlusions[rule].empty() && s < data.bodies.sensors(); ++s)

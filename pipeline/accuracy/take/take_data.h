@@ -39,29 +39,34 @@ class OcclusionCounts {
   std::vector<std::uint8_t> counts_;
 };
 
-// All of one take at the instants to evaluate, repaired as the study asks.
-struct TakeData {
+// One person's bodies at the instants to evaluate, as the sensors give them, and the truth.
+struct FollowedTake {
   std::vector<HostTime> time;
   BodyTracks bodies{0, 0};
-  ExchangeRepair exchanges;              // what was found, whether undone or not
-  std::vector<float> heading_rad;        // by instant, NaN when not known
   std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
-  std::array<OcclusionCounts, kOcclusionRules> occlusions;  // corrected always, the others when asked for
-  ClockRow clock;                                           // by motion, when the study asks
-  SelfCalibration shown;                                    // what the take shows of its calibration
-  std::vector<RigidTransform> corrected_rig;                // world_from_sensor by it, by rig sensor
-  // Sigmas of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan,
-  // for the take's first and second half.
-  std::array<std::vector<RaySigma>, 2> sigma;
-  std::vector<CheckRow> checks;  // what the take was checked by
-  bool rig_changed = false;      // check_sensors() found a fault of all sensors, which the truth shows, too
+  std::vector<CheckRow> checks;          // what the take was checked by
+  std::vector<TakeNote> notes;
+  bool rig_changed = false;  // check_sensors() found a fault of all sensors, which the truth shows, too
   std::vector<std::size_t> odd_sensors;  // that check_sensors() named: the truth is not judged by them
   bool sensor_named = false;             // a note of check_sensors() explains what else sensors seem to show
-  std::vector<TakeNote> notes;
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {
     return truth_m[instant * joints + joint];
   }
+};
+
+// The take as methods see it, repaired as the study asks.
+struct PreparedTake : FollowedTake {
+  ExchangeRepair exchanges = {};        // what was found, whether undone or not
+  std::vector<float> heading_rad = {};  // by instant, NaN when not known
+  std::array<OcclusionCounts, kOcclusionRules> occlusions =
+      {};                                          // corrected always, the others when asked for
+  ClockRow clock = {};                             // by motion, when the study asks
+  SelfCalibration shown = {};                      // what the take shows of its calibration
+  std::vector<RigidTransform> corrected_rig = {};  // world_from_sensor by it, by rig sensor
+  // Sigmas of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan,
+  // for the take's first and second half.
+  std::array<std::vector<RaySigma>, 2> sigma = {};
 };
 
 // The truth of a take that mocap judges.
@@ -84,34 +89,35 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
 // start; notes say what is odd about the streams, the sensors and the mocap. Takes the bodies out of
 // `recorded`. InputError when the take cannot be evaluated at all: no ground truth for its time, no sensor
 // that ever sees a joint that is asked for. This and what follows throw Interrupted when asked to stop.
-TakeData follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded);
+FollowedTake follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded);
 
 // The take as methods see it: exchanges of left and right undone, the mocap's clock checked, occlusions
 // counted, and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked
 // joints are the truth, which has none where it does not track (inferred ones are the tracker's guess); it
 // and its predictors are put right each without the other.
-TakeData see_take(const Plan& plan, const PlannedTake& planned, TakeData followed,
-                  const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
-                  const std::function<bool()>& stop_requested);
+PreparedTake view_take(const Plan& plan, const PlannedTake& planned, FollowedTake followed,
+                       const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
+                       const std::function<bool()>& stop_requested);
 
 // All of the three: a take as methods see it that leaves no sensor out.
-TakeData load_take(const Plan& plan, const PlannedTake& planned, const std::function<bool()>& stop_requested);
+PreparedTake load_take(const Plan& plan, const PlannedTake& planned,
+                       const std::function<bool()>& stop_requested);
 
 // One joint at one instant as every sensor sees it.
-void observe_joint(const TakeData& data, std::size_t instant, Joint joint,
+void observe_joint(const PreparedTake& data, std::size_t instant, Joint joint,
                    const std::vector<RigidTransform>& world_from_sensor,
                    std::span<JointObservation> observations);
 
 // The poses of the sensors as stated, or as the take corrects them, and a joint as they then see it.
-const std::vector<RigidTransform>& rig_of(const PlannedTake& planned, const TakeData& data,
+const std::vector<RigidTransform>& rig_of(const PlannedTake& planned, const PreparedTake& data,
                                           bool is_corrected);
-void observe_joint(const TakeData& data, const PlannedTake& planned, bool is_corrected, std::size_t instant,
-                   Joint joint, std::span<JointObservation> observations);
+void observe_joint(const PreparedTake& data, const PlannedTake& planned, bool is_corrected,
+                   std::size_t instant, Joint joint, std::span<JointObservation> observations);
 
 // The sigmas that are estimated for a joint of the plan at an instant; NaN without.
-RaySigma sigma_at(const TakeData& data, bool is_corrected, std::size_t instant, std::size_t joint);
+RaySigma sigma_at(const PreparedTake& data, bool is_corrected, std::size_t instant, std::size_t joint);
 
 // How often each sensor's view of the joint is occluded, by each rule; 0 for rules that no method asks for.
-JointOcclusions occlusions_of(const TakeData& data, std::size_t instant, Joint joint);
+JointOcclusions occlusions_of(const PreparedTake& data, std::size_t instant, Joint joint);
 
 }  // namespace trilat

@@ -22,7 +22,7 @@ struct Rows {
 };
 
 // Observations of these joints, at instants first to last.
-Rows rows_of(const PlannedTake& planned, const TakeData& data, std::span<const Joint> joints,
+Rows rows_of(const PlannedTake& planned, const PreparedTake& data, std::span<const Joint> joints,
              std::size_t first, std::size_t last, bool is_corrected) {
   Rows rows;
   const std::size_t sensors = planned.world_from_sensor.size(), instants = last - first;
@@ -46,7 +46,7 @@ std::vector<std::vector<std::size_t>> joints_by_group(const Plan& plan) {
 }
 
 // Sigma that the joints with these numbers show from instant `first` to `last`.
-RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                   const std::vector<std::size_t>& numbers, std::size_t first, std::size_t last,
                   bool is_corrected) {
   std::vector<Joint> joints;
@@ -71,7 +71,7 @@ CorrectionPriors priors_of(const std::vector<SensorPose>& poses) {
 
 }  // namespace
 
-RayRow rays_of(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+RayRow rays_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   const Rows rows = rows_of(planned, data, plan.joints, 0, data.time.size(), false);
   const RaySigmaEstimate rays =
       estimate_ray_sigma(rows.observations, planned.world_from_sensor, rows.cluster);
@@ -89,7 +89,7 @@ bool estimates_calibration(const Plan& plan) {
   return std::ranges::any_of(plan.methods, [](const Method& m) { return m.spec.calibration_is_estimated; });
 }
 
-void find_corrections(const PlannedTake& planned, TakeData& data) {
+void find_corrections(const PlannedTake& planned, PreparedTake& data) {
   std::vector<JointObservation> observations;
   std::vector<std::uint32_t> joints;
   const std::size_t sensors = planned.world_from_sensor.size();
@@ -107,7 +107,7 @@ void find_corrections(const PlannedTake& planned, TakeData& data) {
     data.corrected_rig.push_back(corrected_pose(planned.world_from_sensor[s], data.shown.of_sensor[s]));
 }
 
-void estimate_sigmas(const Plan& plan, const PlannedTake& planned, TakeData& data) {
+void estimate_sigmas(const Plan& plan, const PlannedTake& planned, PreparedTake& data) {
   const std::size_t half = data.time.size() / 2;
   const std::vector<std::vector<std::size_t>> groups = joints_by_group(plan);
   for (const bool is_corrected : {false, true}) {

@@ -26,7 +26,7 @@ constexpr StreamFitOptions kLookedFor{
 
 class TruthChecker {
  public:
-  TruthChecker(const Plan& plan, const PlannedTake& planned, const TakeData& data)
+  TruthChecker(const Plan& plan, const PlannedTake& planned, const PreparedTake& data)
       : plan_(plan), planned_(planned), data_(data) {
     for (const Joint joint : plan.joints) names_.emplace_back(name_of(joint));
   }
@@ -136,14 +136,14 @@ class TruthChecker {
 
   const Plan& plan_;
   const PlannedTake& planned_;
-  const TakeData& data_;
+  const PreparedTake& data_;
   std::vector<std::string> names_;  // of the plan's joints
   TakeChecks checks_;
 };
 
 }  // namespace
 
-TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   return TruthChecker(plan, planned, data).run();
 }
 

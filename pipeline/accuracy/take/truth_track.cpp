@@ -39,7 +39,8 @@ std::vector<PointPath> empty_paths(const Plan& plan, std::size_t points) {
 }
 
 // Seconds since the first instant, on the host clock.
-std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& planned, const TakeData& data) {
+std::vector<PointPath> estimated_paths(const Plan& plan, const PlannedTake& planned,
+                                       const PreparedTake& data) {
   std::vector<PointPath> paths = empty_paths(plan, data.time.size());
   std::vector<JointObservation> seen(plan.rig.size());
   for (std::size_t i = 0; i < data.time.size(); ++i)
@@ -165,7 +166,7 @@ std::string cause_of(const std::string& status) {
   return "nothing was compared";
 }
 
-MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                             const std::vector<PointPath>& truth) {
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;

@@ -38,7 +38,7 @@ std::string cause_of(const std::string& status);
 
 // By how much the mocap's stated start is off, as the motion shows: the mean of the sensors' positions
 // against the dense truth. `data` has its times and bodies.
-MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const TakeData& data,
+MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                             const std::vector<PointPath>& truth);
 
 }  // namespace trilat
