@@ -97,7 +97,7 @@ void draw_all(ReportContent& content) {
 
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper,
-                          const std::optional<ErrorChanges>& changes, const History& history,
+                          const std::optional<ErrorChanges>& changes, const std::vector<Night>& history,
                           const std::function<void(double)>& progress) {
   check_names(results);
   ReportContent content;

@@ -45,7 +45,8 @@ struct ReportContent {
 // `progress` gets the share that is done.
 ReportContent read_report(const std::vector<std::filesystem::path>& results,
                           const std::optional<PaperFindings>& paper = {},
-                          const std::optional<ErrorChanges>& changes = {}, const History& history = {},
+                          const std::optional<ErrorChanges>& changes = {},
+                          const std::vector<Night>& history = {},
                           const std::function<void(double)>& progress = {});
 
 // The first screen of a report, and which of its figures stand there.

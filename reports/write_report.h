@@ -15,7 +15,7 @@ namespace trilat {
 struct ReportOptions {
   std::optional<PaperFindings> paper = {};   // the claims and the errata of the paper; none: neither
   std::optional<ErrorChanges> changes = {};  // between the two results, when there are two of one study
-  History history = {};                      // of nights, as `trilat gate` keeps it
+  std::vector<Night> history = {};           // of nights, as `trilat gate` keeps it
   std::string made = {};                     // the page's time stamp; empty: the time of the day, UTC
   // three.js, as Debian's libjs-three has it; where it is not, the page has no replay
   std::filesystem::path three_js = "/usr/share/javascript/three/three.min.js";

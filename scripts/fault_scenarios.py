@@ -10,7 +10,7 @@ import sys
 
 LIMIT_S = 60  # a run takes less than one
 # Files that tell of a run and not of its results: times, places, machines.
-VOLATILE = {"run.json", "hashes.json", "accepted.json", "history.jsonl", "timings.json"}
+VOLATILE = {"run.json", "hashes.json", "accepted.json", "history.csv", "timings.json"}
 TIMED = {"tables.json", "figures.json", "item.json", "sweep.csv"}  # of a sweep these hold times too
 
 

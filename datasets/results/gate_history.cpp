@@ -1,71 +1,121 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/gate_history.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/results_file.h"
+#include "datasets/base/text_output.h"
 
 namespace trilat {
 namespace {
 
-constexpr const char* kHistoryFormat = "trilat.history";
-constexpr int kVersion = 2;
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30, kTextColumns = 6;
+constexpr std::string_view kSeparator = "; ";
 
-HistoryEntry read_entry(const std::string& line, const std::string& place) {
-  const Json json = parse_json(line, place);
-  JsonObject object(json, place, "");
-  check_format(object, kHistoryFormat, kVersion);
-  HistoryEntry entry;
-  read_fields(object, entry);
-  return entry;
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t first = 0; first < text.size();) {
+    const std::size_t end = std::min(text.find(kSeparator, first), text.size());
+    parts.push_back(text.substr(first, end - first));
+    first = end + kSeparator.size();
+  }
+  return parts;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t first = 0; first < text.size();) {
-    const std::size_t end = std::min(text.find('\n', first), text.size());
-    lines.push_back(text.substr(first, end - first));
-    first = end + 1;
-  }
-  return lines;
+double error_of(const std::string& cell, const std::string& column, const std::string& place) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc{} || end != cell.data() + cell.size() || !(value >= 0.0) || !std::isfinite(value))
+    throw InputError(place,
+                     fmt::format("{} is \"{}\"; it must be an error in metres or empty", column, cell));
+  return value;
+}
+
+Night night_of(const std::vector<std::string>& cells, const std::vector<std::string>& columns,
+               const std::string& place) {
+  if (cells.size() != columns.size())
+    throw InputError(place, fmt::format("has {} of {} cells: the line is cut or was edited; take it out",
+                                        cells.size(), columns.size()));
+  const auto verdict =
+      std::ranges::find(kNightVerdicts, cells[2], [](const char* v) { return std::string(v); });
+  if (verdict == kNightVerdicts.end())
+    throw InputError(place, fmt::format("verdict is \"{}\"; it must be one of {}", cells[2],
+                                        fmt::join(kNightVerdicts, ", ")));
+  Night night{.time = cells[0],
+              .program = cells[1],
+              .verdict = static_cast<NightVerdict>(verdict - kNightVerdicts.begin()),
+              .reason = cells[3],
+              .alarms = split(cells[4]),
+              .not_judged = split(cells[5])};
+  for (std::size_t c = kTextColumns; c < cells.size(); ++c)
+    if (!cells[c].empty()) night.mean_error_m[columns[c]] = error_of(cells[c], columns[c], place);
+  return night;
+}
+
+std::vector<std::string> columns_of(const std::string& header, const std::string& place) {
+  if (header.starts_with("{"))
+    throw InputError(place,
+                     "is a history of version 0.4.0; move it away, and the next night begins a new one");
+  const bool is_ours = header == kHistoryHeader || header.starts_with(std::string(kHistoryHeader) + ",");
+  if (!is_ours) throw InputError(place, fmt::format("must begin with \"{}\"", kHistoryHeader));
+  return csv_fields(header);
 }
 
 }  // namespace
 
-History read_history(const std::filesystem::path& path) {
-  History history;
-  if (!std::filesystem::exists(path)) return history;
-  const std::string text = read_file(path, kMostBytes);
-  const std::vector<std::string> lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string place = fmt::format("{}:{}", path.string(), i + 1);
-    const bool torn_perhaps = i + 1 == lines.size() && !text.ends_with('\n');
-    try {
-      history.entries.push_back(read_entry(lines[i], place));
-    } catch (const InputError&) {
-      if (!torn_perhaps) throw;
-      history.torn = place;
-    }
+const char* name_of(NightVerdict verdict) { return kNightVerdicts.at(static_cast<std::size_t>(verdict)); }
+
+std::vector<Night> read_history(const std::filesystem::path& path) {
+  std::vector<Night> nights;
+  if (!std::filesystem::exists(path)) return nights;
+  const std::string text = read_file(path, kMaxBytes);
+  std::vector<std::string> columns;
+  std::size_t line = 0;
+  for (std::size_t first = 0; first < text.size(); ++line) {
+    const std::size_t end = end_of_csv_record(text, first);
+    std::string record = text.substr(first, end - first);
+    const std::string place = fmt::format("{}:{}", path.string(), line + 1);
+    first = end + 1;
+    if (record.ends_with('\r')) record.pop_back();  // saved by a spreadsheet
+    if (line == 0)
+      columns = columns_of(record, place);
+    else
+      nights.push_back(night_of(csv_fields(record), columns, place));
   }
-  return history;
+  return nights;
 }
 
-void append_history(const std::filesystem::path& path, const HistoryEntry& entry) {
-  std::string text = std::filesystem::exists(path) ? read_file(path, kMostBytes) : "";
-  if (!text.empty() && !text.ends_with('\n')) {
-    const std::size_t last = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
-    if (read_history(path).torn.empty())
-      text += '\n';
-    else
-      text.resize(last);
+void add_to_history(const std::filesystem::path& path, const Night& night) {
+  std::vector<Night> nights = read_history(path);
+  nights.push_back(night);
+  std::set<std::string> columns;
+  for (const Night& one : nights)
+    for (const auto& [column, error_m] : one.mean_error_m) columns.insert(column);
+  TextOutput file(path);
+  file.add("{}", kHistoryHeader);
+  for (const std::string& column : columns) file.add(",{}", csv_field(column));
+  file.add("\n");
+  for (const Night& one : nights) {
+    file.add("{},{},{},{},{},{}", one.time, csv_field(one.program), name_of(one.verdict),
+             csv_field(one.reason), csv_field(fmt::format("{}", fmt::join(one.alarms, kSeparator))),
+             csv_field(fmt::format("{}", fmt::join(one.not_judged, kSeparator))));
+    for (const std::string& column : columns) {
+      const auto error_m = one.mean_error_m.find(column);
+      if (error_m == one.mean_error_m.end())
+        file.add(",");
+      else
+        file.add(",{}", error_m->second);
+    }
+    file.add("\n");
   }
-  Json json{{"format", kHistoryFormat}, {"version", kVersion}};
-  json.update(json_of(entry));
-  write_file(path, text + json_text(json, -1) + "\n");
+  file.publish();
 }
 
 }  // namespace trilat

@@ -1,45 +1,46 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/results_file.h"
 
 namespace trilat {
 
-// One line of a history: what a gate saw in one night, or that a change was accepted.
-struct HistoryEntry {
+// What a gate says of a night. A regression that was found counts, whatever was not judged beside it.
+enum class NightVerdict : std::uint8_t {
+  quiet,
+  regression,
+  not_judged,  // other recordings of too few participants to tell a change from chance
+  accepted,    // its results became the baseline: whatever changed is meant to be so
+};
+inline constexpr std::array kNightVerdicts{"quiet", "regression", "not_judged", "accepted"};
+const char* name_of(NightVerdict verdict);
+
+// One night, or an accepted change.
+struct Night {
   std::string time;  // UTC, ISO 8601
   std::string program;
-  bool accepted = false;  // these results became the baseline: whatever changed is meant to be so
-  std::string reason;     // of an acceptance
-  bool quiet = true;
-  std::vector<std::string> alarms;        // what each was about, one name a thing
-  std::vector<std::string> not_judged;    // studies of which nobody can say whether they are worse
-  std::map<std::string, double> error_m;  // mean absolute error by cell
-  std::map<std::string, double> coverage;
-
-  TRILAT_FIELDS(time, program, accepted, reason, quiet, alarms, not_judged, error_m, coverage)
+  NightVerdict verdict = NightVerdict::quiet;
+  std::string reason = {};                          // of an acceptance
+  std::vector<std::string> alarms = {};             // what each is about, by one name every night
+  std::vector<std::string> not_judged = {};         // studies
+  std::map<std::string, double> mean_error_m = {};  // by column, as "table3: nonlinear, walking (m)"
 };
 
-struct History {
-  std::vector<HistoryEntry> entries;  // oldest first
-  std::string torn;                   // which line was torn and left out; empty when none was
-};
-
-// history.jsonl (trilat.history, version 2): one JSON document a line. A last line that is torn is left out
-// and told; any other line that cannot be read is an InputError with its number. Empty when there is no file.
-History read_history(const std::filesystem::path& path);
-
-// Adds one line. The file is written aside and put in place: it never shows half a line, and one that was
-// torn is gone.
-void append_history(const std::filesystem::path& path, const HistoryEntry& entry);
+// history.csv, oldest night first: time, program, verdict, reason, alarms and not_judged (separated by "; "),
+// then a column for each mean error. Empty when there is no file. InputError with the line where a row is
+// cut or cannot be read, or where the file is a history of version 0.4.0 (JSON).
+std::vector<Night> read_history(const std::filesystem::path& path);
+// Adds one line, and a column for each new mean error. The file is replaced whole.
+void add_to_history(const std::filesystem::path& path, const Night& night);
+// How a history begins.
+inline constexpr const char* kHistoryHeader = "time,program,verdict,reason,alarms,not_judged";
 
 // Why a baseline is what it is: accepted.json in its folder.
 struct AcceptedBaseline {

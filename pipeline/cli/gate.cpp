@@ -41,13 +41,11 @@ int accept(const GateArguments& arguments, const std::string& time) {
   const AcceptedBaseline accepted =
       accept_results(arguments.results, arguments.baseline, *arguments.accept_reason, time);
   if (!arguments.history.empty()) {
-    HistoryEntry entry;
-    entry.time = time;
-    entry.program = kProgramVersion;
-    entry.accepted = true;
-    entry.reason = *arguments.accept_reason;
-    add_series(find_results(arguments.results), entry);
-    append_history(arguments.history, entry);
+    add_to_history(arguments.history, {.time = time,
+                                       .program = kProgramVersion,
+                                       .verdict = NightVerdict::accepted,
+                                       .reason = *arguments.accept_reason,
+                                       .mean_error_m = mean_errors_of(find_results(arguments.results))});
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text({{"format", "trilat.gate"},
@@ -72,22 +70,30 @@ int accept(const GateArguments& arguments, const std::string& time) {
   return kDone;
 }
 
-void add_history(const History& history, HistoryEntry& tonight, GateReport& report) {
-  if (!history.torn.empty())
-    report.notes.push_back(history.torn + ": is torn, was left out and will be replaced");
+// Says of the report's alarms since when they are, and adds the night.
+void add_night(const std::filesystem::path& history, GateReport& report) {
+  report.history = history.string();
+  report.notes.push_back(fmt::format("history: {} night(s) since the last accepted change",
+                                     set_since(read_history(history), report)));
+  Night night{.time = report.time,
+              .program = kProgramVersion,
+              .verdict = report.verdict(),
+              .mean_error_m = mean_errors_of(find_results(report.results))};
   for (const GateFinding& f : report.findings)
-    if (f.alarm) tonight.alarms.push_back(key_of(f));
-  report.notes.push_back(
-      fmt::format("history: {} night(s) since the last accepted change", set_since(history, report)));
+    if (f.alarm) night.alarms.push_back(key_of(f));
+  for (const StudyVerdict& s : report.studies)
+    if (s.state == StudyState::not_judged) night.not_judged.push_back(s.study);
+  add_to_history(history, night);
 }
 
-int exit_code_of(Verdict verdict) {
+int exit_code_of(NightVerdict verdict) {
   switch (verdict) {
-    case Verdict::quiet:
+    case NightVerdict::quiet:
+    case NightVerdict::accepted:
       return kDone;
-    case Verdict::regression:
+    case NightVerdict::regression:
       return kItemsFailed;
-    case Verdict::not_judged:
+    case NightVerdict::not_judged:
       break;
   }
   return kNotJudged;
@@ -100,29 +106,21 @@ int compare(const GateArguments& arguments, const std::string& time) {
   if (!arguments.history.empty()) lock.emplace(arguments.history);
   GateReport report = compare_results(arguments.results, arguments.baseline, limits);
   report.time = time;
-  HistoryEntry tonight;
-  tonight.time = time;
-  tonight.program = kProgramVersion;
-  add_series(find_results(arguments.results), tonight);
-  report.history = arguments.history.string();
-  if (!arguments.history.empty()) add_history(read_history(arguments.history), tonight, report);
-  const Verdict verdict = report.verdict();
-  tonight.quiet = verdict == Verdict::quiet;
-  for (const StudyVerdict& s : report.studies)
-    if (s.state == StudyState::not_judged) tonight.not_judged.push_back(s.study);
-  if (!arguments.history.empty()) append_history(arguments.history, tonight);
+  if (!arguments.history.empty()) add_night(arguments.history, report);
   if (arguments.json)
     fmt::print("{}\n", json_text(gate_json(report), 1));
   else
     fmt::print("{}", morning_text(report));
-  return exit_code_of(verdict);
+  return exit_code_of(report.verdict());
 }
 
 int gate(const GateArguments& arguments) {
   const std::string time = time_now();
-  if (!arguments.history.empty())
-    check_output_file({arguments.history, {arguments.results, arguments.baseline}, arguments.force},
-                      begins_with(arguments.history, "\"format\":\"trilat.history\""));
+  if (!arguments.history.empty()) {
+    const bool is_own = begins_with(arguments.history, kHistoryHeader) ||
+                        begins_with(arguments.history, "trilat.history");  // which read_history() refuses
+    check_output_file({arguments.history, {arguments.results, arguments.baseline}, arguments.force}, is_own);
+  }
   return arguments.accept_reason ? accept(arguments, time) : compare(arguments, time);
 }
 
@@ -133,7 +131,7 @@ void add_gate(CLI::App& app, int& code) {
       add_verb<GateArguments>(app, code, "gate", "nightly: is anything worse than the baseline", gate);
   verb.add_option("results", a.results, "a results folder, or a folder that holds several")->required();
   verb.add_option("--baseline", a.baseline, "what to compare with: a folder of the same shape")->required();
-  verb.add_option("--history", a.history, "history.jsonl: says since when, and gets one line more");
+  verb.add_option("--history", a.history, "history.csv: says since when, and gets one line more");
   verb.add_option("--smallest-effect", a.smallest_percent, "percent; smaller changes are no alarm")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -80,12 +80,13 @@ int report(const ReportArguments& arguments) {
   {
     Progress progress("writing the report");
     mark_output(arguments.output, mark);
-    files = write_report(results, arguments.output,
-                         {.paper = arguments.paper ? std::optional(judged_paper(results)) : std::nullopt,
-                          .changes = arguments.paper ? std::nullopt : changes_between(results),
-                          .history = arguments.history.empty() ? History{} : read_history(arguments.history),
-                          .made = arguments.time,
-                          .progress = [&](double share) { progress.set(share); }});
+    files = write_report(
+        results, arguments.output,
+        {.paper = arguments.paper ? std::optional(judged_paper(results)) : std::nullopt,
+         .changes = arguments.paper ? std::nullopt : changes_between(results),
+         .history = arguments.history.empty() ? std::vector<Night>{} : read_history(arguments.history),
+         .made = arguments.time,
+         .progress = [&](double share) { progress.set(share); }});
   }
   if (arguments.json) {
     Json list = Json::array();

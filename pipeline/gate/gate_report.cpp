@@ -126,12 +126,13 @@ std::string worst_text(const GateReport& report) {
 std::string headline_of(const GateReport& report) {
   const std::string not_judged = not_judged_text(report);
   switch (report.verdict()) {
-    case Verdict::quiet:
+    case NightVerdict::quiet:
       return "QUIET: nothing is worse than the baseline";
-    case Verdict::not_judged:
+    case NightVerdict::not_judged:
       return fmt::format("NOT JUDGED: {}; whether it is worse than the baseline cannot be decided",
                          not_judged);
-    case Verdict::regression:
+    case NightVerdict::regression:
+    case NightVerdict::accepted:
       break;
   }
   return "REGRESSION: " + worst_text(report) + (not_judged.empty() ? "" : "; not judged: " + not_judged);
@@ -155,19 +156,14 @@ const char* name_of(Direction direction) {
   return kNames.at(static_cast<std::size_t>(direction));
 }
 
-const char* name_of(Verdict verdict) {
-  constexpr std::array<const char*, 3> kNames{"quiet", "regression", "not_judged"};
-  return kNames.at(static_cast<std::size_t>(verdict));
-}
-
 std::uint64_t GateReport::alarms() const {
   return static_cast<std::uint64_t>(
       std::ranges::count_if(findings, [](const GateFinding& f) { return f.alarm; }));
 }
 
-Verdict GateReport::verdict() const {
-  if (alarms() > 0) return Verdict::regression;
-  return not_judged_text(*this).empty() ? Verdict::quiet : Verdict::not_judged;
+NightVerdict GateReport::verdict() const {
+  if (alarms() > 0) return NightVerdict::regression;
+  return not_judged_text(*this).empty() ? NightVerdict::quiet : NightVerdict::not_judged;
 }
 
 std::string not_judged_text(const GateReport& report) {
@@ -196,7 +192,7 @@ std::string morning_text(const GateReport& report) {
   for (const StudyVerdict& s : report.studies)
     if (!s.note.empty()) text += fmt::format("{}: {}\n", s.study, s.note);
   for (const std::string& note : report.notes) text += note + "\n";
-  if (report.verdict() != Verdict::quiet)
+  if (report.verdict() != NightVerdict::quiet)
     text += fmt::format("\nWhen this is meant to be: trilat gate {} --baseline {}{} --accept \"why\"\n",
                         shell_word(report.results), shell_word(report.baseline),
                         report.history.empty() ? "" : " --history " + shell_word(report.history));

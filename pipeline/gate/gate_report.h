@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/summary.h"
+#include "datasets/results/gate_history.h"
+#include "datasets/results/numbers.h"
 
 namespace trilat {
 
@@ -86,10 +87,6 @@ struct StudyVerdict {
   }
 };
 
-// A regression that was found counts, whatever was not judged beside it.
-enum class Verdict : std::uint8_t { quiet, regression, not_judged };
-const char* name_of(Verdict verdict);
-
 struct GateReport {
   std::string time;  // UTC, ISO 8601
   std::string results, baseline;
@@ -100,7 +97,7 @@ struct GateReport {
   std::vector<GateFinding> findings;  // alarms first, the largest first
   std::uint64_t looked_at = 0;        // cells and numbers that were compared
   std::vector<std::string> notes;
-  Verdict verdict() const;
+  NightVerdict verdict() const;  // never `accepted`
   std::uint64_t alarms() const;
 };
 

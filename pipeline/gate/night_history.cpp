@@ -2,58 +2,68 @@
 #include "pipeline/gate/night_history.h"
 
 #include <algorithm>
-#include <cmath>
+#include <set>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "datasets/results/summary.h"
 
 namespace trilat {
+
 namespace {
 
-std::string series_of(const std::string& study, const std::string& method, const std::string& condition,
-                      const std::string& group) {
-  return study + " | " + method + " | " + condition + " | " + group;
-}
-
-bool raised(const HistoryEntry& night, const std::string& key) {
-  return std::ranges::find(night.alarms, key) != night.alarms.end();
+// The mean errors of all takes under the first alignment.
+std::vector<Number> mean_errors_in(const ResultsSummary& summary) {
+  std::vector<Number> means;
+  for (const Number& number : summary.numbers.all())
+    if (number.measure == "distance" && number.statistic == "mean" && number.take.empty() &&
+        number.alignment == summary.alignments.front())
+      means.push_back(number);
+  return means;
 }
 
 }  // namespace
 
-void add_series(const ResultsSet& results, HistoryEntry& entry) {
+std::map<std::string, double> mean_errors_of(const ResultsSet& results) {
+  std::map<std::string, double> errors_m;
   for (const FoundResults& found : results.results) {
     if (found.kind != StudyKind::accuracy) continue;
-    const ResultsSummary summary = read_summary(found.folder);
-    for (const Number& number : summary.numbers.all()) {
-      if (number.alignment != summary.alignments.front() || !number.take.empty()) continue;
-      const std::string key = series_of(found.name, number.method, number.condition, number.group);
-      if (number.measure == "distance" && number.statistic == "mean") entry.error_m[key] = number.value;
-      if (number.measure == "answered" && number.statistic == "share") entry.coverage[key] = number.value;
-    }
+    const std::vector<Number> means = mean_errors_in(read_summary(found.folder));
+    std::set<std::string> averaged;  // conditions of several groups
+    for (const Number& mean : means)
+      if (mean.group == kAverageGroup) averaged.insert(mean.condition);
+    for (const Number& mean : means)
+      if (mean.group == kAverageGroup || !averaged.contains(mean.condition))
+        errors_m[fmt::format("{}: {}, {} (m)", found.name, mean.method, mean.condition)] = mean.value;
   }
+  return errors_m;
 }
 
 std::string key_of(const GateFinding& f) {
-  std::string key = std::string(name_of(f.kind)) + " | " + series_of(f.study, f.method, f.condition, f.group);
+  std::string key =
+      fmt::format("{} | {} | {} | {} | {}", name_of(f.kind), f.study, f.method, f.condition, f.group);
   if (f.kind == FindingKind::number || f.kind == FindingKind::failure) key += " | " + f.what;
+  std::ranges::replace(key, ';', ',');  // which separates alarms in the history
   return key;
 }
 
-std::size_t set_since(const History& history, GateReport& report) {
-  std::vector<const HistoryEntry*> nights;
-  for (const HistoryEntry& entry : history.entries) {
-    if (entry.time < report.baseline_time) continue;  // judged against another baseline
-    if (entry.accepted) nights.clear();
-    nights.push_back(&entry);
+std::size_t set_since(std::span<const Night> history, GateReport& report) {
+  std::vector<const Night*> nights;
+  for (const Night& night : history) {
+    if (night.time < report.baseline_time) continue;  // judged against another baseline
+    if (night.verdict == NightVerdict::accepted) nights.clear();
+    nights.push_back(&night);
   }
   if (nights.empty()) return 0;
   for (GateFinding& f : report.findings) {
     if (!f.alarm) continue;
     f.since = report.time;
     const std::string key = key_of(f);
-    for (auto night = nights.rbegin(); night != nights.rend() && raised(**night, key); ++night)
+    for (auto night = nights.rbegin(); night != nights.rend(); ++night) {
+      if (std::ranges::find((*night)->alarms, key) == (*night)->alarms.end()) break;
       f.since = (*night)->time;
+    }
   }
   return nights.size();
 }

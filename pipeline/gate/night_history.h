@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <span>
 #include <string>
 
 #include "datasets/results/gate_history.h"
@@ -10,9 +12,9 @@
 
 namespace trilat {
 
-// Adds what a history keeps of results to `entry`: error and coverage of every cell of accuracy studies, of
-// the first alignment.
-void add_series(const ResultsSet& results, HistoryEntry& entry);
+// What a history keeps of results: of each method and condition of accuracy studies the mean error over the
+// joint groups (of the only one, where there is one), of the first alignment.
+std::map<std::string, double> mean_errors_of(const ResultsSet& results);
 
 // The name of what a finding is about, the same every night; a history keeps it of each alarm.
 std::string key_of(const GateFinding& finding);
@@ -20,6 +22,6 @@ std::string key_of(const GateFinding& finding);
 // Sets "since when" of the report's alarms: the first of the nights in a row, up to the report's, that raised
 // the same alarm. Returns how many nights there are since the last accepted change, without the report's.
 // Nights before the report's baseline was accepted do not count. Without any night nothing is set.
-std::size_t set_since(const History& history, GateReport& report);
+std::size_t set_since(std::span<const Night> history, GateReport& report);
 
 }  // namespace trilat

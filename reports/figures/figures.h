@@ -14,8 +14,8 @@ namespace trilat {
 
 // Mean error by night, with the nights whose change was accepted; nothing without nights. And the last one's
 // verdict in words.
-std::optional<Figure> history_figure(const History& history);
-std::vector<std::string> history_sentences(const History& history);
+std::optional<Figure> history_figure(const std::vector<Night>& history);
+std::vector<std::string> history_sentences(const std::vector<Night>& history);
 
 // Heights of single joints over time, as in the paper's figures: for the first evaluated take of each
 // condition one figure with the truth and a few methods, of the right wrist, elbow or ankle (the paper's

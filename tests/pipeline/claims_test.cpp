@@ -45,7 +45,7 @@ TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
 TEST(Claims, AreDecidedWhereTheIntervalLeavesTheMarginOut) {
   for (const double off : {2.14, 2.12}) {  // quantile of 15 degrees: 2.1314
     const ClaimVerdict decided = off > 2.1314 ? ClaimVerdict::holds : ClaimVerdict::undecided,
-                      failed = off > 2.1314 ? ClaimVerdict::does_not_hold : ClaimVerdict::undecided;
+                       failed = off > 2.1314 ? ClaimVerdict::does_not_hold : ClaimVerdict::undecided;
     EXPECT_EQ(verdict(estimate(0.1 + 0.01 * off, 0.01), more_than(10)), decided);
     EXPECT_EQ(verdict(estimate(0.1 - 0.01 * off, 0.01), more_than(10)), failed);
     EXPECT_EQ(verdict(estimate(0.1 - 0.01 * off, 0.01), less_than(10)), decided);

@@ -314,7 +314,7 @@ TEST(Gate, TellsStudiesThatOnlyOneSideHasAndAlarmsForALostOne) {
 TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {
   Nights nights;
   nights.write(larger_errors(1.1));
-  const std::string history = (nights.folder / "history.jsonl").string();
+  const std::string history = (nights.folder / "history.csv").string();
   expect_refused(nights.gate({"--accept", " "}), "needs a reason");
   EXPECT_EQ(nights.gate({"--history", history}).code, 1);
   const Ended ended = nights.gate({"--accept", "a <better> model", "--history", history});
@@ -325,11 +325,15 @@ TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {
   EXPECT_THAT(accepted->replaces_sha256, SizeIs(64));
   EXPECT_FALSE(std::filesystem::exists(nights.folder / "before/items"));
   EXPECT_EQ(nights.gate({"--history", history}).code, 0);
-  const History read = read_history(history);
-  ASSERT_THAT(read.entries, SizeIs(3));
-  EXPECT_FALSE(read.entries[0].quiet);
-  EXPECT_TRUE(read.entries[1].accepted);
-  EXPECT_TRUE(read.entries[2].quiet);
+  const std::vector<Night> nights_seen = read_history(history);
+  ASSERT_THAT(nights_seen, SizeIs(3));
+  EXPECT_EQ(nights_seen[0].verdict, NightVerdict::regression);
+  EXPECT_THAT(nights_seen[0].alarms, Not(testing::IsEmpty()));
+  EXPECT_EQ(nights_seen[1].verdict, NightVerdict::accepted);
+  EXPECT_EQ(nights_seen[1].reason, "a <better> model");
+  EXPECT_EQ(nights_seen[2].verdict, NightVerdict::quiet);
+  EXPECT_EQ(nights_seen[1].mean_error_m, nights_seen[2].mean_error_m);
+  EXPECT_THAT(nights_seen[2].mean_error_m, testing::Contains(testing::Key("walks: nonlinear, walking (m)")));
 }
 
 TEST(Gate, TheFirstBaselineIsAcceptedTooAndNeverOverSomethingElse) {
@@ -344,24 +348,6 @@ TEST(Gate, TheFirstBaselineIsAcceptedTooAndNeverOverSomethingElse) {
   write_file(nights.folder / "before" / "thesis.txt", "years of work");
   expect_refused(nights.gate({"--accept", "first"}), "holds no results");
   EXPECT_TRUE(std::filesystem::exists(nights.folder / "before" / "thesis.txt"));
-}
-
-TEST(Gate, ATornLastLineOfTheHistoryIsToldAndReplaced) {
-  Nights nights;
-  nights.write({});
-  const auto history = nights.folder / "history.jsonl";
-  ASSERT_EQ(nights.gate({"--history", history.string()}).code, 0);
-  {
-    std::ofstream file(history, std::ios::app);
-    file << R"({"format": "trilat.history", "ver)";
-  }
-  const Ended ended = nights.gate({"--history", history.string()});
-  EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.out, HasSubstr("history.jsonl:2: is torn"));
-  EXPECT_THAT(read_history(history).entries, SizeIs(2));
-  EXPECT_EQ(read_history(history).torn, "");
-  write_file(history, "not JSON\n" + read_file(history));
-  expect_refused(nights.gate({"--history", history.string()}), "history.jsonl:1");
 }
 
 }  // namespace

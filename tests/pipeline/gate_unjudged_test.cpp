@@ -21,15 +21,15 @@ TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsAreNotQuiet) {
   study.input_sha256 = "11";
   write_made_results(nights.folder / "now", study,
                      [](MadeSample& s) { s.error_m *= s.take == 0 ? 1.8 : 2.2; });
-  const auto history = nights.folder / "history.jsonl";
+  const auto history = nights.folder / "history.csv";
   const Ended ended = nights.gate({"--history", history.string()});
   EXPECT_EQ(ended.code, 3) << ended.out;
   EXPECT_THAT(ended.out, testing::StartsWith("NOT JUDGED: 2 participants in walks"));
   EXPECT_THAT(ended.out, Not(HasSubstr("QUIET")));
-  const History read = read_history(history);
-  ASSERT_EQ(read.entries.size(), 1u);
-  EXPECT_FALSE(read.entries[0].quiet);
-  EXPECT_THAT(read.entries[0].not_judged, testing::ElementsAre("walks"));
+  const std::vector<Night> read = read_history(history);
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].verdict, NightVerdict::not_judged);
+  EXPECT_THAT(read[0].not_judged, testing::ElementsAre("walks"));
   EXPECT_THAT(nights.gate({"--json"}).out, HasSubstr("\"verdict\": \"not_judged\""));
 }
 

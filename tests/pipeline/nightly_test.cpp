@@ -82,7 +82,7 @@ TEST(Nightly, AFirstNightWhoseItemsFailedBecomesNoBaseline) {
 }
 
 TEST(Nightly, ALostBaselineIsNotTakenForAFirstNight) {
-  for (const char* left : {"history.jsonl", "baseline.old", "baseline.partial"}) {
+  for (const char* left : {"history.csv", "baseline.old", "baseline.partial"}) {
     const Checkout checkout;
     fs::create_directories(checkout.out);
     write_file(checkout.out / left, "");
@@ -121,12 +121,12 @@ TEST(Nightly, AFullDiskIsNoRegression) {
 
 TEST(Nightly, TheGateGetsTheOptionsThatAreSetAndNoOthers) {
   const Checkout checkout;
-  EXPECT_THAT(checkout.night().out, HasSubstr("history.jsonl --accept the first night\n"));
+  EXPECT_THAT(checkout.night().out, HasSubstr("history.csv --accept the first night\n"));
   checkout.age("2000-01-01T00-00-00Z");
-  EXPECT_THAT(checkout.night().out, HasSubstr("history.jsonl\n"));
+  EXPECT_THAT(checkout.night().out, HasSubstr("history.csv\n"));
   checkout.age("2000-01-02T00-00-00Z");
   EXPECT_THAT(checkout.night("trilat", "14", {"TRILAT_NIGHTLY_GATE=--smallest-effect 2"}).out,
-              HasSubstr("history.jsonl --smallest-effect 2\n"));
+              HasSubstr("history.csv --smallest-effect 2\n"));
 }
 
 TEST(Nightly, ARegressionEndsWithOne) {

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include "reports/figures/figures.h"
+
+namespace trilat {
+namespace {
+
+Night night(const std::string& day, double moving_m, double calm_m) {
+  return {.time = day + "T03:00:00Z",
+          .program = "0.5.0",
+          .mean_error_m = {{"walks: calm, walking (m)", calm_m}, {"walks: moving, walking (m)", moving_m}}};
+}
+
+TEST(HistoryFigure, DrawsWhatMovedMostFirstInCentimetresAndShadesAcceptedNights) {
+  std::vector<Night> nights{night("2026-01-01", 0.04, 0.05), night("2026-01-02", 0.06, 0.051)};
+  nights[0].verdict = NightVerdict::accepted;
+  const std::optional<Figure> figure = history_figure(nights);
+  ASSERT_TRUE(figure.has_value());
+  EXPECT_THAT(figure->x_names, testing::ElementsAre("2026-01-01", "2026-01-02"));
+  ASSERT_EQ(figure->series.size(), 2u);
+  EXPECT_EQ(figure->series[0].name, "walks: moving, walking");
+  EXPECT_EQ(figure->series[1].name, "walks: calm, walking");
+  ASSERT_EQ(figure->series[0].points.size(), 2u);
+  EXPECT_DOUBLE_EQ(figure->series[0].points[0].y, 4.0);
+  EXPECT_DOUBLE_EQ(figure->series[0].points[1].y, 6.0);
+  EXPECT_DOUBLE_EQ(figure->series[0].points[1].x, 1.0);
+  ASSERT_EQ(figure->bands.size(), 1u);
+  EXPECT_LT(figure->bands[0].from, 0.0);
+}
+
+TEST(HistoryFigure, ThereIsNoneOfNightsWithoutErrors) {
+  EXPECT_FALSE(history_figure({}).has_value());
+  EXPECT_FALSE(history_figure({{.time = "2026-01-01T03:00:00Z", .program = "0.5.0"}}).has_value());
+}
+
+TEST(HistorySentences, LeadWithTheLastNightAndSayWhichBaselineItIsHeldAgainst) {
+  std::vector<Night> nights{night("2026-01-01", 0.04, 0.05), night("2026-01-02", 0.06, 0.05)};
+  nights[0].verdict = NightVerdict::accepted;
+  nights[0].reason = "lag is modelled";
+  nights[1].verdict = NightVerdict::regression;
+  nights[1].alarms = {"accuracy | walks", "coverage | walks"};
+  EXPECT_THAT(history_sentences(nights),
+              testing::ElementsAre("**Night 2026-01-02: 2 alarms**, the first: accuracy | walks.",
+                                   "The baseline is that of 2026-01-01: lag is modelled."));
+  EXPECT_THAT(
+      history_sentences({nights[0]}),
+      testing::ElementsAre("**Night 2026-01-01**: its results became the baseline: lag is modelled."));
+}
+
+}  // namespace
+}  // namespace trilat
