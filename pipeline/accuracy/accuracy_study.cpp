@@ -353,7 +353,7 @@ ItemTally run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const
 
 ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, const fs::path& output,
                              const ExecuteOptions& options) {
-  StudyOptions run{.threads = options.threads, .stop_requested = options.stop_requested};
+  StudyOptions run{.stop_requested = options.stop_requested};
   constexpr double kTakesShare = 0.8;  // of the progress; the rest is the summary
   if (options.progress)
     run.progress = [&](const std::string& stage, double share) {

@@ -10,6 +10,7 @@
 #include "pipeline/calibration_study/calibration_errors.h"
 #include "pipeline/calibration_study/calibration_tables.h"
 #include "pipeline/claims/paper_claims.h"
+#include "pipeline/study/results_run.h"
 
 namespace trilat {
 namespace {
@@ -97,14 +98,15 @@ std::vector<Recording> recordings_of(const CalibrationSpec& spec, const Campaign
 }
 
 CalibrationSummary summarise(const CalibrationSpec& spec, const Campaign& campaign,
-                             const std::vector<Recording>& recordings, const Outcomes& outcomes) {
+                             const std::vector<Recording>& recordings, const ResultsRun& run) {
   CalibrationSummary summary;
   summary.study = spec.name;
   summary.paper = name_of(spec.paper);
   summary.campaign = campaign.name;
   summary.simulated = campaign.simulated;
-  for (const Recording& recording : recordings) {
-    const Outcome& outcome = outcomes.at(recording.id);
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    const Recording& recording = recordings[r];
+    const Outcome& outcome = run.outcome(r);
     const JsonObject object(outcome.json, outcome.place(), "");
     if (outcome.failed) {
       summary.failed.push_back(recording.name + ": " + outcome.json.at("problem").get<std::string>());
@@ -122,29 +124,35 @@ CalibrationSummary summarise(const CalibrationSpec& spec, const Campaign& campai
   return summary;
 }
 
-Item item_of(const Recording& recording, const Json& resolved, const Campaign& campaign,
-             const std::shared_ptr<HashCache>& hashes) {
+Computed measure(const Recording& recording, const WatchedFiles& files, const Watch& watch) {
+  try {
+    Json outcome = recording.measure(watch);
+    files.check();
+    return outcome;
+  } catch (const InputError& error) {
+    return {Json{{"problem", error.what()}}, true};
+  }
+}
+
+std::vector<fs::path> paths_of(const Recording& recording) {
   std::vector<fs::path> paths;
   for (const RecordingFile& file : recording.files) paths.push_back(file.file);
-  const WatchedFiles watched(paths);
-  std::error_code ignored;
-  const auto cost = static_cast<double>(fs::file_size(paths.front(), ignored));
-  return {recording.id, ignored ? 1.0 : cost,
-          [=](const fs::path&, const Watch& watch) -> Computed {
-            try {
-              Json outcome = recording.measure(watch);
-              watched.check();
-              return outcome;
-            } catch (const InputError& error) {
-              return {Json{{"problem", error.what()}}, true};
-            }
-          },
-          [=](const Watch& watch) {
-            return key_of({{"study", resolved},
-                           {"simulated", campaign.simulated},
-                           {"stated", recording.stated},
-                           {"inputs", hashed_inputs(recording.files, *hashes, watch.stop_requested)}});
-          }};
+  return paths;
+}
+
+// The cost of a recording grows with its length.
+double cost_of(const Recording& recording) {
+  std::error_code error;
+  const auto bytes = static_cast<double>(fs::file_size(recording.files.front().file, error));
+  return error ? 1.0 : bytes;
+}
+
+void write_study(const CalibrationSummary& summary, const std::vector<DeclaredParameter>& simulator,
+                 const fs::path& folder) {
+  if (!simulator.empty()) write_declared_parameters(folder, simulator);
+  store_tables(folder, calibration_tables(summary));
+  write_beside(folder, StoredFigures{calibration_figures(summary)});
+  write_results(folder, summary, -1);
 }
 
 }  // namespace
@@ -163,38 +171,49 @@ Json resolved_json(const CalibrationSpec& given) {
                                    [&](Settings& settings) { tell(settings, spec); });
 }
 
-Study calibration_study(const CalibrationSpec& spec, const Campaign& campaign,
-                        const std::shared_ptr<HashCache>& hashes) {
+std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& campaign) {
+  return recordings_of(spec, campaign).size();
+}
+
+ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign, const fs::path& folder,
+                          const StudyOptions& options) {
   const std::vector<Recording> recordings = recordings_of(spec, campaign);
   const Json resolved = resolved_json(spec);
-  Study study;
-  study.kind = name_of(StudyKind::calibration);
-  study.settings = resolved;
-  study.hashes = hashes;
+  HashCache hashes;
+  hashes.load(folder);
+  std::vector<ResultsRun::Item> items;
+  std::vector<WatchedFiles> watched;  // from before they are read
   std::vector<RecordingFile> files;
   Json stated = Json::object();
   for (const Recording& recording : recordings) {
-    stated[recording.id] = recording.stated;
-    study.items.push_back(item_of(recording, resolved, campaign, hashes));
+    items.push_back({recording.id, cost_of(recording)});
+    watched.emplace_back(paths_of(recording));
     files.insert(files.end(), recording.files.begin(), recording.files.end());
+    stated[recording.id] = recording.stated;
   }
-  const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
-  study.write_beside = [parameters](const fs::path& folder) {
-    if (!parameters.empty()) write_declared_parameters(folder, parameters);
-  };
-  study.reduce = [=](const Outcomes& outcomes, const fs::path& folder, const Watch&) {
-    const CalibrationSummary summary = summarise(spec, campaign, recordings, outcomes);
-    store_tables(folder, calibration_tables(summary));
-    write_beside(folder, StoredFigures{calibration_figures(summary)});
-    write_results(folder, summary, -1);
-  };
-  study.manifest = [=] {
-    return manifest_of(resolved, {{"campaign", campaign.name},
-                                  {"simulated", campaign.simulated},
-                                  {"stated", stated},
-                                  {"inputs", hashed_inputs(files, *hashes, {})}});
-  };
-  return study;
+  ResultsRun run(folder, items, options);
+  run.find_keys([&](std::size_t r, const Watch& watch) {
+    return key_of({{"study", resolved},
+                   {"simulated", campaign.simulated},
+                   {"stated", recordings[r].stated},
+                   {"inputs", hashed_inputs(recordings[r].files, hashes, watch.stop_requested)}});
+  });
+  const Json manifest = manifest_of(resolved, {{"campaign", campaign.name},
+                                               {"simulated", campaign.simulated},
+                                               {"stated", stated},
+                                               {"inputs", hashed_inputs(files, hashes, {})}});
+  if (run.is_finished(manifest)) return run.tally();
+  run.begin(manifest);
+  if (run.is_whole()) hashes.save(folder);
+  run.compute([&](std::size_t r, const fs::path&, const Watch& watch) {
+    return measure(recordings[r], watched[r], watch);
+  });
+  if (run.is_whole())
+    run.publish_results(manifest, [&](const fs::path& into) {
+      write_study(summarise(spec, campaign, recordings, run), read_declared_parameters(campaign.folder),
+                  into);
+    });
+  return run.tally();
 }
 
 }  // namespace trilat

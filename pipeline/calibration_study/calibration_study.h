@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 
 #include "datasets/take/campaign.h"
@@ -24,9 +23,13 @@ CalibrationSpec parse_calibration_spec(const Json& json, const std::string& plac
 // Every setting written out, defaults included.
 Json resolved_json(const CalibrationSpec& spec);
 
-// An item a recording; one that cannot be evaluated fails and is named. Its summary.json is a
-// CalibrationSummary. InputError where the campaign has no such recording, or none can be evaluated.
-Study calibration_study(const CalibrationSpec& spec, const Campaign& campaign,
-                        const std::shared_ptr<HashCache>& hashes);
+// How many recordings the campaign has that sensors can be calibrated by. InputError where it has none.
+std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& campaign);
+
+// Evaluates them, each an item, on the threads of the current arena; one that cannot be evaluated fails and
+// is named. summary.json is a CalibrationSummary. InputError where the campaign has no such recording, or
+// none can be evaluated; throws Interrupted.
+ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign,
+                          const std::filesystem::path& folder, const StudyOptions& options);
 
 }  // namespace trilat

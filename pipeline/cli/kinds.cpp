@@ -21,15 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An opened study that is planned at once.
-OpenedStudy opened(Study study, const fs::path& output, const Json& plan, const std::string& text) {
-  return {.run = [study = std::move(study),
-                  output](const StudyOptions& options) { return run_study(study, output, options); },
-          .print_plan =
-              [plan, text](const Shard&, bool json, const Watch&) {
-                fmt::print("{}\n", json ? json_text(plan, 2) : text);
-                return int{kDone};
-              }};
+std::function<int(const Shard&, bool, const Watch&)> prints(Json plan, std::string text) {
+  return [plan = std::move(plan), text = std::move(text)](const Shard&, bool json, const Watch&) {
+    fmt::print("{}\n", json ? json_text(plan, 2) : text);
+    return int{kDone};
+  };
 }
 
 // A campaign, or a folder of recordings without campaign.json, or one session.
@@ -57,41 +53,41 @@ Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) 
 OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
   const SweepSpec spec = parse_sweep(study, arguments.study.string());
   const std::size_t cells = spec.cells.size();
-  return opened(
-      sweep_study(spec), arguments.output,
-      {{"study", resolved_json(spec)},
-       {"simulated", true},
-       {"cells", cells},
-       {"trials", cells * spec.trials},
-       {"skipped", spec.skipped}},
-      fmt::format("study {} (simulated): {} rigs, {} thresholds, {} error ranges and {} other choices = {} "
+  const std::size_t choices = cells / (spec.rigs.size() * spec.thresholds.size() * spec.ranges_m.size());
+  return {.run = [spec, output = arguments.output](
+                     const StudyOptions& options) { return run_sweep(spec, output, options); },
+          .print_plan = prints(
+              {{"study", resolved_json(spec)},
+               {"simulated", true},
+               {"cells", cells},
+               {"trials", cells * spec.trials},
+               {"skipped", spec.skipped}},
+              fmt::format(
+                  "study {} (simulated): {} rigs, {} thresholds, {} error ranges and {} other choices = {} "
                   "cells x {} trials = {} trials; {} combinations are skipped",
-                  spec.name, spec.rigs.size(), spec.thresholds.size(), spec.ranges_m.size(),
-                  cells / (spec.rigs.size() * spec.thresholds.size() * spec.ranges_m.size()), cells,
-                  spec.trials, cells * spec.trials, spec.skipped));
+                  spec.name, spec.rigs.size(), spec.thresholds.size(), spec.ranges_m.size(), choices, cells,
+                  spec.trials, cells * spec.trials, spec.skipped))};
 }
 
 // A study of the campaign's recordings.
 template <class Spec>
 OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, const Campaign& campaign,
-                            Study (*make)(const Spec&, const Campaign&, const std::shared_ptr<HashCache>&)) {
-  const auto hashes = std::make_shared<HashCache>();
-  hashes->load(arguments.output);
-  Study study = make(spec, campaign, hashes);
-  const std::size_t items = study.items.size();
-  OpenedStudy opened_study =
-      opened(std::move(study), arguments.output,
-             {{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"items", items}},
-             fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name, items,
-                         items == 1 ? "" : "s"));
-  opened_study.inputs = inputs_of(campaign);
-  opened_study.campaign = campaign;
-  return opened_study;
+                            std::size_t items,
+                            ItemTally (*run)(const Spec&, const Campaign&, const fs::path&,
+                                             const StudyOptions&)) {
+  return {
+      .run = [=, output = arguments.output](
+                 const StudyOptions& options) { return run(spec, campaign, output, options); },
+      .print_plan = prints({{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"items", items}},
+                           fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name, items,
+                                       items == 1 ? "" : "s")),
+      .inputs = inputs_of(campaign),
+      .campaign = campaign};
 }
 
 OpenedStudy open_clocks(const RunArguments& arguments, const Json& study) {
   const ClocksSpec spec = parse_clocks_spec(study, arguments.study.string(), arguments.study.parent_path());
-  return open_recordings(arguments, spec, recordings_of(spec.campaign, arguments), clocks_study);
+  return open_recordings(arguments, spec, recordings_of(spec.campaign, arguments), 1, run_clocks);
 }
 
 // A session that is named alone shows a wand where its name says nothing else.
@@ -101,12 +97,13 @@ OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
   Campaign campaign = recordings_of(spec.campaign, arguments);
   if (arguments.campaign.extension() == ".h5" && !campaign.takes.empty())
     campaign.wand = {.session = campaign.takes.front().session};
-  OpenedStudy opened_study = open_recordings(arguments, spec, campaign, calibration_study);
-  opened_study.print_failed = [](const ItemTally& tally) {
+  OpenedStudy opened =
+      open_recordings(arguments, spec, campaign, calibration_recordings(spec, campaign), run_calibration);
+  opened.print_failed = [](const ItemTally& tally) {
     for (const auto& [id, outcome] : tally.failed)
       fmt::print(stderr, "failed: {}: {}\n", id, outcome.at("problem").get<std::string>());
   };
-  return opened_study;
+  return opened;
 }
 
 int print_tables(const std::filesystem::path& results, Json document, const Shown& shown) {

@@ -114,8 +114,7 @@ class Reproduction {
     mark_output(run.output, results_mark(part));
     StageProgressBars progress;
     on_threads(arguments_.threads, [&](int) {
-      opened.run({.threads = arguments_.threads,
-                  .stop_requested = stop_requested,
+      opened.run({.stop_requested = stop_requested,
                   .progress = [&](const std::string& stage, double share) { progress.set(stage, share); }});
     });
     count_failures(run.output);

@@ -30,7 +30,6 @@ ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments,
                        const OutputMark& mark) {
   StageProgressBars progress;
   const StudyOptions options{
-      .threads = arguments.threads,
       .stop_requested = stop_requested,
       .progress = [&](const std::string& stage, double share) { progress.set(stage, share); },
       .shard = shard,

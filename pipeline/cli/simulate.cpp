@@ -15,6 +15,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/calibration_recordings.h"
 #include "pipeline/simulate/campaign_study.h"
+#include "pipeline/study/machine.h"
 
 namespace trilat {
 namespace {
@@ -65,8 +66,8 @@ void print_campaign(const std::filesystem::path& folder, const SimulationSpec& s
                wand_mocap_start(spec).ns);
 }
 
-// To be made of the documents that the arguments name, as long as they stay as they are.
-Study planned(const SimulateArguments& arguments) {
+// Simulates what the arguments' documents say, as long as they stay as they are.
+ItemTally record(const SimulateArguments& arguments, Progress& progress) {
   WatchedFiles inputs({arguments.spec});
   const SimulationSpec spec = read_simulation(arguments.spec);
   std::string sha256;
@@ -74,22 +75,21 @@ Study planned(const SimulateArguments& arguments) {
     if (file != arguments.spec) inputs.add(file);
     sha256 += hash_of_file(file);
   }
-  return campaign_study(spec, hash_of_text(sha256), inputs);
+  return record_campaign(spec, hash_of_text(sha256), inputs, arguments.output,
+                         {.stop_requested = stop_requested,
+                          .progress = [&](const std::string&, double share) { progress.set(share); }});
 }
 
 int simulate(const SimulateArguments& arguments) {
   const SimulationSpec spec = read_simulation(arguments.spec);
   const OutputMark mark{"simulate", {spec.name}};
   check_output_folder({arguments.output, files_of(arguments, spec), arguments.force}, mark);
-  const Study study = planned(arguments);
   mark_output(arguments.output, mark);
   ItemTally tally;
   {
     Progress progress("simulating");
     try {
-      tally = record_campaign(study, arguments.output,
-                              {.stop_requested = stop_requested,
-                               .progress = [&](const std::string&, double share) { progress.set(share); }});
+      on_threads(0, [&](int) { tally = record(arguments, progress); });
     } catch (const Interrupted&) {
       tell_interrupted(arguments.output);
       return kInterrupted;

@@ -17,6 +17,7 @@
 #include "pipeline/clocks/clock_trial.h"
 #include "pipeline/clocks/clocks_tables.h"
 #include "pipeline/study/parallel.h"
+#include "pipeline/study/results_run.h"
 
 namespace trilat {
 namespace {
@@ -250,51 +251,48 @@ Json resolved_json(const ClocksSpec& given) {
                                    [&](Settings& settings) { tell(settings, spec); });
 }
 
-Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
-                   const std::shared_ptr<HashCache>& hashes) {
-  const std::vector<Recording> recordings = recordings_of(campaign);
+ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs::path& folder,
+                     const StudyOptions& options) {
   std::vector<fs::path> files;
-  for (const Recording& recording : recordings) files.push_back(recording.session);
-  const Json resolved = resolved_json(spec);
   std::vector<RecordingFile> inputs;
-  for (const Recording& recording : recordings)
+  for (const Recording& recording : recordings_of(campaign)) {
+    files.push_back(recording.session);
     inputs.push_back({recording.take, "session", recording.session});
-  const std::vector<DeclaredParameter> parameters = read_declared_parameters(campaign.folder);
-  const WatchedFiles watched(files);
-  Item item{kItem, 1.0,
-            [=](const fs::path&, const Watch& watch) {
-              const ClocksSummary summary = measure(spec, campaign, watch);
-              watched.check();
-              return json_of(summary);
-            },
-            [=](const Watch& watch) {
-              return key_of({{"study", resolved},
-                             {"simulated", campaign.simulated},
-                             {"inputs", hashed_inputs(inputs, *hashes, watch.stop_requested)}});
-            }};
-  return {.kind = name_of(StudyKind::clocks),
-          .settings = resolved,
-          .items = {item},
-          .write_beside =
-              [parameters](const fs::path& folder) {
-                if (!parameters.empty()) write_declared_parameters(folder, parameters);
-              },
-          .reduce =
-              [](const Outcomes& outcomes, const fs::path& folder, const Watch&) {
-                const Outcome& outcome = outcomes.at(kItem);
-                auto summary = read_as<ClocksSummary>(JsonObject(outcome.json, outcome.place(), ""));
-                summary.claims = claims_of(summary);
-                store_tables(folder, clocks_tables(summary));
-                write_beside(folder, StoredFigures{});
-                write_results(folder, summary, -1);
-              },
-          .manifest =
-              [=] {
-                return manifest_of(resolved, {{"campaign", campaign.name},
-                                              {"simulated", campaign.simulated},
-                                              {"inputs", hashed_inputs(inputs, *hashes, {})}});
-              },
-          .hashes = hashes};
+  }
+  const Json resolved = resolved_json(spec);
+  const WatchedFiles watched(files);  // from before they are read
+  HashCache hashes;
+  hashes.load(folder);
+  ResultsRun run(folder, {{kItem, 1.0}}, options);
+  run.find_keys([&](std::size_t, const Watch& watch) {
+    return key_of({{"study", resolved},
+                   {"simulated", campaign.simulated},
+                   {"inputs", hashed_inputs(inputs, hashes, watch.stop_requested)}});
+  });
+  const Json manifest = manifest_of(resolved, {{"campaign", campaign.name},
+                                               {"simulated", campaign.simulated},
+                                               {"inputs", hashed_inputs(inputs, hashes, {})}});
+  if (run.is_finished(manifest)) return run.tally();
+  run.begin(manifest);
+  if (run.is_whole()) hashes.save(folder);
+  run.compute([&](std::size_t, const fs::path&, const Watch& watch) {
+    const ClocksSummary summary = measure(spec, campaign, watch);
+    watched.check();
+    return json_of(summary);
+  });
+  if (run.is_whole())
+    run.publish_results(manifest, [&](const fs::path& into) {
+      const Outcome& outcome = run.outcome(0);
+      auto summary = read_as<ClocksSummary>(JsonObject(outcome.json, outcome.place(), ""));
+      summary.campaign = campaign.name;  // which is not in the item's key
+      summary.claims = claims_of(summary);
+      const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
+      if (!simulator.empty()) write_declared_parameters(into, simulator);
+      store_tables(into, clocks_tables(summary));
+      write_beside(into, StoredFigures{});
+      write_results(into, summary, -1);
+    });
+  return run.tally();
 }
 
 TimeSpread spread_times(std::vector<double> times_s) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,10 +25,11 @@ ClocksSpec parse_clocks_spec(const Json& json, const std::string& place, const s
 // Every setting written out, defaults included.
 Json resolved_json(const ClocksSpec& spec);
 
-// All recordings of the campaign, its wand's too. Its summary.json is a ClocksSummary. A sensor without clock
-// exchanges is left out and named; InputError where none has any.
-Study clocks_study(const ClocksSpec& spec, const Campaign& campaign,
-                   const std::shared_ptr<HashCache>& hashes);
+// Evaluates all recordings of the campaign, its wand's too, on the threads of the current arena. summary.json
+// is a ClocksSummary. A sensor without clock exchanges is left out and named; InputError where none has any;
+// throws Interrupted.
+ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const std::filesystem::path& folder,
+                     const StudyOptions& options);
 
 // Bins and quantiles of what is a number.
 TimeSpread spread_times(std::vector<double> times_s);

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/simulate/campaign_study.h"
 
-#include <tbb/task_arena.h>
-
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/simulate/simulate_take.h"
+#include "pipeline/study/results_run.h"
 
 namespace trilat {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string item_of(const std::string& recording) { return "recordings/" + recording; }
 
 // The entries of campaign.json on a take besides its files.
 Json json_of(const Take& take) {
@@ -38,14 +35,14 @@ Take read_take(const std::string& id, const Json& json, const std::string& place
 }
 
 // Moves what the items recorded out of the store.
-void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated, const Outcomes& outcomes,
+void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated, const ResultsRun& run,
                   const fs::path& folder) {
   Campaign campaign{spec.name, true, {}, folder};
   for (const CalibrationRecording& recording : simulated.calibration)
     recording.add_to(folder / recording.folder, campaign);
   for (std::size_t r = 0; r < simulated.recordings(); ++r) {
     const std::string id = simulated.id(r);
-    const Outcome& outcome = outcomes.at(item_of(id));
+    const Outcome& outcome = run.outcome(r);
     fs::rename(outcome.folder, folder / id);
     fs::remove(folder / id / "item.json");
     if (!outcome.json.is_null())
@@ -54,41 +51,47 @@ void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated
   write_campaign(folder, campaign);
 }
 
-}  // namespace
-
-Study campaign_study(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs) {
-  const auto shared = std::make_shared<const SimulationSpec>(spec);
-  const auto campaign = std::make_shared<const SimulatedCampaign>(simulated_campaign(spec));
-  Study study{.kind = "campaign",
-              .settings = {{"simulation", spec.name}, {"sha256", sha256}},
-              .reduce = [=](const Outcomes& outcomes, const fs::path& folder, const Watch&) {
-                put_together(*shared, *campaign, outcomes, folder);
-              }};
-  const std::vector<double> costs = costs_of(spec, *campaign);
-  for (std::size_t r = 0; r < campaign->recordings(); ++r)
-    study.items.push_back({item_of(campaign->id(r)), costs[r], [=](const fs::path& into, const Watch& watch) {
-                             const std::optional<Take> take =
-                                 simulate_recording(*shared, *campaign, r, into, watch);
-                             inputs.check();
-                             return take ? json_of(*take) : Json();
-                           }});
-  study.write_beside = [shared, campaign](const fs::path& folder) {
-    write_rig(*shared, campaign->rig, folder);
-  };
-  return study;
+// What an earlier simulation left.
+bool is_of_campaign(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name == "calibration.json" || name == "simulator.json" || fs::exists(path / "truth.json");
 }
 
-ItemTally record_campaign(const Study& study, const fs::path& folder, const StudyOptions& options) {
-  return run_to_files(study, folder, options, "campaign.json", [](const fs::path& path) {
-    const std::string name = path.filename().string();
-    return name == "calibration.json" || name == "simulator.json" || fs::exists(path / "truth.json");
-  });
+}  // namespace
+
+ItemTally record_campaign(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs,
+                          const fs::path& folder, const StudyOptions& options) {
+  const SimulatedCampaign campaign = simulated_campaign(spec);
+  const std::vector<double> costs = costs_of(spec, campaign);
+  std::vector<ResultsRun::Item> items;
+  for (std::size_t r = 0; r < campaign.recordings(); ++r)
+    items.push_back({"recordings/" + campaign.id(r), costs[r]});
+  ItemTally tally;
+  {
+    ResultsRun run(folder, items, options);
+    run.find_keys([&](std::size_t r, const Watch&) {
+      return key_of({{"simulation", spec.name}, {"sha256", sha256}, {"recording", campaign.id(r)}});
+    });
+    run.compute([&](std::size_t r, const fs::path& into, const Watch& watch) -> Json {
+      const std::optional<Take> take = simulate_recording(spec, campaign, r, into, watch);
+      inputs.check();
+      return take ? json_of(*take) : Json();
+    });
+    run.publish("campaign.json", is_of_campaign, [&](const fs::path& into) {
+      write_rig(spec, campaign.rig, into);
+      put_together(spec, campaign, run, into);
+    });
+    tally = run.tally();
+  }
+  const ItemStore store(folder);
+  store.remove_all_but({});
+  store.remove_if_empty();
+  return tally;
 }
 
 Campaign simulate_campaign(const SimulationSpec& spec, const fs::path& folder, const Watch& watch) {
-  record_campaign(campaign_study(spec, "", {}), folder,
-                  {.threads = tbb::this_task_arena::max_concurrency(),
-                   .stop_requested = watch.stop_requested,
+  record_campaign(spec, "", {}, folder,
+                  {.stop_requested = watch.stop_requested,
                    .progress = [&](const std::string&, double share) { watch.tell(share); },
                    .fresh = true});
   return read_campaign(folder);

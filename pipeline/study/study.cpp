@@ -8,7 +8,9 @@
 #include <queue>
 #include <utility>
 
+#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/version.h"
 
 namespace trilat {
 namespace {
@@ -54,6 +56,22 @@ std::vector<std::uint64_t> shards_of(std::span<const double> costs, std::uint64_
     lightest.emplace(cost + costs[item], shard);
   }
   return result;
+}
+
+Watch watch_of(const StudyOptions& options, const std::string& stage) {
+  Watch watch{options.stop_requested, {}};
+  if (options.progress) watch.progress = [&options, stage](double share) { options.progress(stage, share); };
+  return watch;
+}
+
+std::string key_of(const Json& settings) {
+  return hash_of_text(json_text(Json{{"build", build_id()}, {"settings", settings}}, -1));
+}
+
+Json manifest_of(const Json& resolved, const Json& more) {
+  Json manifest{{"study", resolved}, {"study_sha256", hash_of_text(resolved.dump())}};
+  manifest.update(more);
+  return manifest;
 }
 
 }  // namespace trilat

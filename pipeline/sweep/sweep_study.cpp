@@ -14,6 +14,7 @@
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
+#include "pipeline/study/results_run.h"
 #include "pipeline/sweep/sweep_block.h"
 #include "pipeline/sweep/sweep_tables.h"
 
@@ -141,17 +142,18 @@ Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::pa
 }
 
 // The times of all items' trials, as the runs that solved them took them.
-void gather_times(const SweepSpec& spec, const Outcomes& outcomes, const std::filesystem::path& folder) {
+void gather_times(const SweepSpec& spec, const std::vector<Cells>& items, const ResultsRun& run,
+                  const std::filesystem::path& folder) {
   SweepTimings all{spec.name, processor_name(), 0, {}};
-  for (const Cells& item : items_of(spec)) {
-    const auto of_item = read_beside<SweepTimings>(outcomes.at(id_of(item)).folder);
-    for (std::size_t cell = 0; cell < item.count; ++cell)
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const auto of_item = read_beside<SweepTimings>(run.outcome(i).folder);
+    for (std::size_t cell = 0; cell < items[i].count; ++cell)
       all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : SweepCell::kNone);
   }
   write_beside(folder, all);
 }
 
-SweepSummary summary_of(const SweepSpec& spec, const Outcomes& outcomes) {
+SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, const ResultsRun& run) {
   SweepSummary s;
   s.study = spec.name;
   s.paper = name_of(spec.paper);
@@ -161,11 +163,11 @@ SweepSummary summary_of(const SweepSpec& spec, const Outcomes& outcomes) {
   s.skipped = spec.skipped;
   s.thresholds = spec.thresholds.size();
   s.ranges = spec.ranges_m.size();
-  for (const Cells& item : items_of(spec)) {
-    const Outcome& outcome = outcomes.at(id_of(item));
-    if (!outcome.json.is_array() || outcome.json.size() != item.count)
-      throw InputError(outcome.place(), fmt::format("must be a list of {} cells", item.count));
-    for (std::size_t c = 0; c < item.count; ++c) {
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const Outcome& outcome = run.outcome(i);
+    if (!outcome.json.is_array() || outcome.json.size() != items[i].count)
+      throw InputError(outcome.place(), fmt::format("must be a list of {} cells", items[i].count));
+    for (std::size_t c = 0; c < items[i].count; ++c) {
       const JsonObject object(outcome.json[c], outcome.place(), fmt::format("/{}", c));
       const SweepCell& cell = s.cells.emplace_back(read_as<SweepCell>(object));
       if (cell.asked != spec.trials)
@@ -193,37 +195,36 @@ std::string key_of_item(const SweepSpec& spec, const Cells& item) {
 
 }  // namespace
 
-Study sweep_study(const SweepSpec& given) {
-  const auto spec = std::make_shared<const SweepSpec>(given);
-  Study study;
-  study.kind = name_of(StudyKind::threshold_sweep);
-  study.settings = resolved_json(*spec);
-  for (const Cells& item : items_of(*spec))
-    study.items.push_back({id_of(item), static_cast<double>(item.count * spec->trials),
-                           [spec, item](const std::filesystem::path& into, const Watch& watch) {
-                             return compute(*spec, item, into, watch);
-                           },
-                           [spec, item](const Watch&) { return key_of_item(*spec, item); }});
-  if (spec->time_problems > 0)
-    study.time = [spec](const std::filesystem::path& folder, const Watch& watch) {
-      time_into(folder, *spec, watch);
-    };
-  study.reduce = [spec](const Outcomes& outcomes, const std::filesystem::path& results, const Watch&) {
-    const SweepSummary summary = summary_of(*spec, outcomes);
-    if (spec->time_problems == 0) gather_times(*spec, outcomes, results);
-    const SweepTimings timings = read_beside<SweepTimings>(results).value();
-    store_tables(results, sweep_tables(summary, timings));
-    write_beside(results, StoredFigures{sweep_figures(summary, timings)});
-    write_results(results, summary);
-  };
-  study.manifest = [spec] {
-    return manifest_of(resolved_json(*spec), {{"simulated", true},
-                                              {"skipped", spec->skipped},
-                                              {"cells", spec->cells.size()},
-                                              {"trials", spec->cells.size() * spec->trials},
-                                              {"inputs", Json::array()}});
-  };
-  return study;
+ItemTally run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, const StudyOptions& options) {
+  const std::vector<Cells> items = items_of(spec);
+  std::vector<ResultsRun::Item> named;
+  for (const Cells& item : items)
+    named.push_back({id_of(item), static_cast<double>(item.count * spec.trials)});
+  ResultsRun run(folder, named, options);
+  run.find_keys([&](std::size_t i, const Watch&) { return key_of_item(spec, items[i]); });
+  const Json manifest = manifest_of(resolved_json(spec), {{"simulated", true},
+                                                          {"skipped", spec.skipped},
+                                                          {"cells", spec.cells.size()},
+                                                          {"trials", spec.cells.size() * spec.trials},
+                                                          {"inputs", Json::array()}});
+  if (run.is_finished(manifest)) return run.tally();
+  run.begin(manifest);
+  run.compute([&](std::size_t i, const std::filesystem::path& into, const Watch& watch) {
+    return compute(spec, items[i], into, watch);
+  });
+  if (run.is_whole())
+    run.publish_results(manifest, [&](const std::filesystem::path& into) {
+      if (spec.time_problems > 0)
+        time_into(into, spec, run.watch("timing"));
+      else
+        gather_times(spec, items, run, into);
+      const SweepSummary summary = summary_of(spec, items, run);
+      const SweepTimings timings = read_beside<SweepTimings>(into).value();
+      store_tables(into, sweep_tables(summary, timings));
+      write_beside(into, StoredFigures{sweep_figures(summary, timings)});
+      write_results(into, summary);
+    });
+  return run.tally();
 }
 
 }  // namespace trilat

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 
 #include "pipeline/study/study.h"
 #include "pipeline/sweep/sweep_spec.h"
@@ -11,8 +12,8 @@ namespace trilat {
 // Trials that one thread sums up; the sums of a cell's chunks are added in their order.
 inline constexpr std::size_t kChunkTrials = 8192;
 
-// An item is the cells of one interpretation, or some of them. Its summary.json is a SweepSummary, its
-// timings.json SweepTimings.
-Study sweep_study(const SweepSpec& spec);
+// Solves the sweep's trials on the threads of the current arena. An item is the cells of one interpretation,
+// or some of them; summary.json is a SweepSummary, timings.json SweepTimings. Throws Interrupted.
+ItemTally run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, const StudyOptions& options);
 
 }  // namespace trilat

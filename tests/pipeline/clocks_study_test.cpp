@@ -22,7 +22,7 @@ ClocksSummary summary_of(const std::filesystem::path& folder, const Campaign& ca
                          double late_s = 1.0 / 30.0) {
   ClocksSpec spec = parse_clocks_spec(parse_json(kStudy, "study.json"), "study.json", {});
   spec.late_s = late_s;
-  run_study(clocks_study(spec, campaign, std::make_shared<HashCache>()), folder, {.threads = 1});
+  run_clocks(spec, campaign, folder, {});
   return read_results<ClocksSummary>(folder);
 }
 
@@ -50,6 +50,11 @@ TEST(ClocksStudy, SaysOfEveryComputerHowGoodItsClockWas) {
   EXPECT_LT(row_of(summary, "corrected, causal").error.p99_s, 0.002);
   EXPECT_GT(row_of(summary, "as printed, for the server's clock").error.median_s, 1.0);
   EXPECT_LT(row_of(summary, "as printed, on the client's clock").error.median_s, 0.004);
+  Campaign renamed = campaign;  // its item is found, and the summary names it as it is called now
+  renamed.name = "renamed";
+  const ClocksSummary again = summary_of(folder / "out", renamed);
+  EXPECT_EQ(again.campaign, "renamed");
+  for (const ClaimNumber& number : again.claims) EXPECT_TRUE(number.what.empty() || number.what == "renamed");
 }
 
 // Nothing comes from the future by right clocks; a computer's clock that is taken for the recorder's is off

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/stored_take.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/accuracy_study.h"

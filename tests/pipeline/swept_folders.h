@@ -12,7 +12,7 @@ namespace trilat {
 
 inline SweepSummary swept(const SweepSpec& spec) {
   const ScratchFolder folder;
-  run_study(sweep_study(spec), folder / "results", {});
+  run_sweep(spec, folder / "results", {});
   return read_results<SweepSummary>(folder / "results");
 }
 
