@@ -69,7 +69,7 @@ ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers) {
 }
 
 ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
-                         const std::optional<ClaimBound>& of_claim) {
+                         const std::optional<ClaimBound>& bound) {
   ClaimNumber number{.claim = claim, .what = measured.what, .unit = measured.unit};
   number.missing = measured.missing;
   if (!number.missing.empty()) return number;
@@ -92,7 +92,6 @@ ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
       measured.number);
   number.over = measured.over;
   number.compared = measured.compared;
-  const std::optional<ClaimBound>& bound = measured.bound ? measured.bound : of_claim;
   if (!bound) return number;
   number.bound = bound_text(*bound, measured.unit);
   const ClaimChance chance = chance_of(measured.number, *bound);

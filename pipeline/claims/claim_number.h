@@ -30,13 +30,10 @@ struct Measurement {
   std::string unit = {};  // "%" or "cm"
   MeasuredNumber number = ContrastEstimate{};
   std::string over = "participants";
-  double compared = kNaN;                // share of the samples that both methods answer
-  std::optional<ClaimBound> bound = {};  // instead of the claim's
-  std::string missing = {};              // why nothing was measured; the rest is empty then
+  double compared = kNaN;    // share of the samples that both methods answer
+  std::string missing = {};  // why nothing was measured; the rest is empty then
 };
-using Measurements = std::vector<Measurement>;
-
-inline Measurements lacking(std::string what) { return {{.missing = std::move(what)}}; }
+inline Measurement lacking(std::string what) { return {.missing = std::move(what)}; }
 
 // Twice the one-sided probabilities, at most 1, that a number lies so far on its side of the bound (or on the
 // other) by chance: by Student's t of an estimate between clusters, exact of a share. 1 where nothing is

@@ -15,7 +15,6 @@ namespace trilat {
 namespace {
 
 constexpr std::string_view kBestOf = "best of ";
-constexpr const char* kVia = "nonlinear";  // families are compared by way of it
 
 // The joint groups of which the paper prints errors in a condition.
 std::vector<std::string> printed_groups(const std::string& condition) {
@@ -131,25 +130,36 @@ std::string ErrorMeasures::silence_of(const std::string& name) const {
   return fmt::format("{} answers nothing on the rig of {}", name, errors_.names().campaign);
 }
 
-Measurement ErrorMeasures::compared(const Comparison& c, const std::vector<std::size_t>& groups,
-                                    const std::string& group_name) const {
-  const ConditionErrors& errors = in(c.condition);
-  const std::vector<std::size_t> of = methods_of(c.of), against = methods_of(c.against);
+Measurement ErrorMeasures::difference(const std::string& of_name, const std::string& against_name,
+                                      const ErrorPlace& place) const {
+  const std::vector<std::size_t> of = methods_of(of_name), against = methods_of(against_name);
+  const ConditionErrors& errors = in(place.condition);
+  const auto answers = [&](const std::vector<std::size_t>& methods) {
+    return std::ranges::any_of(errors.groups(), [&](std::size_t g) {
+      return std::ranges::any_of(methods, [&](std::size_t m) { return errors.cell(g, m, 0).answered > 0; });
+    });
+  };
+  if (of.empty()) return lacking(fmt::format("a study with {}", of_name));
+  if (against.empty()) return lacking(fmt::format("a study with {}", against_name));
+  if (!errors.groups().empty() && !answers(of)) return lacking(silence_of(of_name));
+  if (!errors.groups().empty() && !answers(against)) return lacking(silence_of(against_name));
+  const std::vector<std::size_t> groups = groups_of(place);
+  if (groups.empty()) return lacking(lacking_joints(place.condition));
   const std::vector<std::size_t> via = against.size() == 1 ? against : methods_of(kVia);
-  if (via.size() != 1) return {.missing = fmt::format("the method {}", kVia)};
-  const bool is_best = c.of.starts_with(kBestOf);
+  if (via.size() != 1) return lacking(fmt::format("the method {}", kVia));
+  const bool is_best = of_name.starts_with(kBestOf);
   const std::vector<std::size_t> best =
       is_best ? best_on_others(errors, groups, of, via.front()) : std::vector<std::size_t>{};
-  if (is_best && best.empty()) return {.missing = "more than one participant"};
+  if (is_best && best.empty()) return lacking("more than one participant");
   const double weight = 1.0 / static_cast<double>(groups.size());
+  const std::size_t clusters = errors.cluster_count();
   Contrast contrast;
   double n = 0.0;
   for (const std::size_t g : groups) {
     const PairOf pair = pair_of(errors, g, of, via.front(), best);
     if (pair.n == 0.0)
-      return {.missing = fmt::format("{} and {} never answer the same sample", c.of, c.against)};
+      return lacking(fmt::format("{} and {} never answer the same sample", of_name, against_name));
     n += pair.n;
-    const std::size_t clusters = errors.cluster_count();
     contrast.value.push_back(pair.difference_m.ratio(clusters, weight));
     contrast.base.push_back(pair.second_m.ratio(clusters, weight));
     if (against.size() == 1) continue;
@@ -157,36 +167,16 @@ Measurement ErrorMeasures::compared(const Comparison& c, const std::vector<std::
     contrast.value.push_back(other.difference_m.ratio(clusters, -weight));
     contrast.base.push_back(other.difference_m.ratio(clusters, weight));
   }
-  return {
-      .what = fmt::format("{} against {}{}", c.of, c.against, group_name.empty() ? "" : ", " + group_name),
-      .unit = "%",
-      .number = solve_contrast(contrast),
-      .over = errors.clusters(),
-      .compared = n / asked_of(errors, groups, of) * (is_best ? static_cast<double>(of.size()) : 1.0)};
+  return {.what = fmt::format("{} against {}{}", of_name, against_name,
+                              place.group.empty() ? "" : ", " + place.group),
+          .unit = "%",
+          .number = solve_contrast(contrast),
+          .over = errors.clusters(),
+          .compared = n / asked_of(errors, groups, of) * (is_best ? static_cast<double>(of.size()) : 1.0)};
 }
 
-Measurements ErrorMeasures::difference(const Comparison& c) const {
-  for (const std::string& name : {c.of, c.against})
-    if (methods_of(name).empty()) return lacking(fmt::format("a study with {}", name));
-  const ConditionErrors& errors = in(c.condition);
-  for (const std::string& name : {c.of, c.against}) {
-    std::uint64_t answered = 0;
-    for (const std::size_t g : errors.groups())
-      for (const std::size_t m : methods_of(name)) answered += errors.cell(g, m, 0).answered;
-    if (answered == 0 && !errors.groups().empty()) return lacking(silence_of(name));
-  }
-  Measurements measured;
-  const std::vector<std::string> each = c.each.empty() ? std::vector<std::string>{""} : c.each;
-  for (const std::string& group : each) {
-    const std::vector<std::size_t> groups = groups_of({c.condition, group});
-    if (groups.empty()) return lacking(lacking_joints(c.condition));
-    measured.push_back(compared(c, groups, group));
-  }
-  return measured;
-}
-
-Measurements ErrorMeasures::places(const std::string& method, const ErrorPlace& place,
-                                   const ErrorPlace& other) const {
+Measurement ErrorMeasures::places(const std::string& method, const ErrorPlace& place,
+                                  const ErrorPlace& other) const {
   const std::vector<std::size_t> methods = methods_of(method);
   if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
   Contrast contrast;
@@ -207,10 +197,10 @@ Measurements ErrorMeasures::places(const std::string& method, const ErrorPlace& 
   const auto name = [&](const ErrorPlace& p) { return p.group.empty() ? p.condition : p.group; };
   const ContrastEstimate estimate = solve_contrast(contrast);
   if (!std::isfinite(estimate.value)) return lacking(silence_of(method));
-  return {{.what = fmt::format("{}: {} against {}", method, name(place), name(other)),
-           .unit = "%",
-           .number = estimate,
-           .over = errors[0]->clusters()}};
+  return {.what = fmt::format("{}: {} against {}", method, name(place), name(other)),
+          .unit = "%",
+          .number = estimate,
+          .over = errors[0]->clusters()};
 }
 
 namespace {
@@ -251,7 +241,7 @@ std::vector<ErrorMeasures::Movement> ErrorMeasures::movement(const std::vector<s
   return all;
 }
 
-Measurements ErrorMeasures::abrupt() const {
+Measurement ErrorMeasures::abrupt() const {
   const std::vector<std::size_t> groups = groups_of({});
   if (groups.empty()) return lacking(lacking_joints("walking"));
   const std::size_t clusters = in("walking").cluster_count();
@@ -264,13 +254,13 @@ Measurements ErrorMeasures::abrupt() const {
   }
   const ContrastEstimate estimate = solve_contrast(contrast);
   if (!std::isfinite(estimate.value)) return lacking("a study with nonlinear");
-  return {{.what = "nonlinear: the half of each joint's samples with the larger acceleration",
-           .unit = "%",
-           .number = estimate,
-           .over = in("walking").clusters()}};
+  return {.what = "nonlinear: the half of each joint's samples with the larger acceleration",
+          .unit = "%",
+          .number = estimate,
+          .over = in("walking").clusters()};
 }
 
-Measurements ErrorMeasures::clock_cost(const std::string& method, double clock_s) const {
+Measurement ErrorMeasures::clock_cost(const std::string& method, double clock_s) const {
   const std::vector<std::size_t> methods = methods_of(method), groups = groups_of({});
   if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
   if (groups.empty()) return lacking(lacking_joints("walking"));
@@ -284,18 +274,18 @@ Measurements ErrorMeasures::clock_cost(const std::string& method, double clock_s
   WeightedRatio way = error;
   for (std::size_t c = 0; c < way.numerator.size(); ++c)
     way.numerator[c] = clock_s * most_m_s * way.denominator[c];
-  return {{.what = fmt::format("{:g} ms at {:.2f} m/s against the error of {}, {}", 1e3 * clock_s, most_m_s,
-                               method, errors_.axes().groups[group]),
-           .unit = "%",
-           .number = solve_contrast({{way}, {error}}),
-           .over = errors.clusters()}};
+  return {.what = fmt::format("{:g} ms at {:.2f} m/s against the error of {}, {}", 1e3 * clock_s, most_m_s,
+                              method, errors_.axes().groups[group]),
+          .unit = "%",
+          .number = solve_contrast({{way}, {error}}),
+          .over = errors.clusters()};
 }
 
-Measurements ErrorMeasures::wrist_deviation(const std::string& method) const {
+ErrorMeasures::WristHeight ErrorMeasures::wrist_height_of(const std::string& method) const {
   const std::vector<std::size_t> methods = methods_of(method);
   const auto joint = std::ranges::find(errors_.joints(), "wrist_right") - errors_.joints().begin();
-  if (methods.size() != 1) return lacking(fmt::format("a study with {}", method));
-  if (joint == std::ssize(errors_.joints())) return lacking("a study of walking with the right wrist");
+  if (methods.size() != 1) return {.missing = fmt::format("a study with {}", method)};
+  if (joint == std::ssize(errors_.joints())) return {.missing = "a study of walking with the right wrist"};
   const auto is_of = [&](const auto& row) {
     return errors_.axes().joint_of(row) == static_cast<std::size_t>(joint) && row.method == methods.front() &&
            row.alignment == 0 && row.subset == static_cast<std::uint32_t>(Subset::all) && row.is(Measure::y);
@@ -303,33 +293,46 @@ Measurements ErrorMeasures::wrist_deviation(const std::string& method) const {
   const ConditionErrors& errors = in("walking");
   const bool by_participant = errors.clusters() == std::string("participants");
   std::vector<std::string> names;
-  ClusterSums largest_m, height_m;
+  WristHeight sums;
   for (const TakeTable* take : errors.takes()) {
     const std::string& name = by_participant ? take->participant : take->id;
     auto found = std::ranges::find(names, name);
     if (found == names.end()) found = names.insert(names.end(), name);
     const auto c = static_cast<std::size_t>(found - names.begin());
-    double most_m = 0.0, sum_m = 0.0, answered = 0.0;
+    double largest_m = 0.0, sum_m = 0.0, answered = 0.0;
     for (const ErrorSums& row : take->errors.sums) {
       if (!is_of(row)) continue;
-      most_m = std::max(most_m, row.largest);
+      largest_m = std::max(largest_m, row.largest);
       sum_m += row.sum_abs;
       answered += row.n;
     }
     if (answered == 0.0) continue;
-    largest_m.add(c, most_m, 1.0);
-    height_m.add(c, sum_m, answered);
+    sums.largest_m.add(c, largest_m, 1.0);
+    sums.height_m.add(c, sum_m, answered);
   }
-  if (largest_m.n.empty()) return lacking(silence_of(method));
-  const auto measured = [&](const char* what, const ClusterSums& sums, const ClaimBound& bound) {
-    return Measurement{.what = fmt::format("{}: {} of the right wrist's height", method, what),
-                       .unit = "cm",
-                       .number = solve_contrast({{sums.ratio(names.size())}, {}}),
-                       .over = by_participant ? "participants" : "takes",
-                       .bound = bound};
-  };
-  return {measured("largest error in a take", largest_m, less_than(5.0)),
-          measured("mean error", height_m, less_than(1.0))};
+  sums.clusters = names.size();
+  if (sums.largest_m.n.empty()) sums.missing = silence_of(method);
+  return sums;
+}
+
+Measurement ErrorMeasures::of_wrist(const std::string& method, const char* what, const WristHeight& errors,
+                                    const ClusterSums& sums) const {
+  if (!errors.missing.empty()) return lacking(errors.missing);
+  const bool by_participant = in("walking").clusters() == std::string("participants");
+  return {.what = fmt::format("{}: {} of the right wrist's height", method, what),
+          .unit = "cm",
+          .number = solve_contrast({{sums.ratio(errors.clusters)}, {}}),
+          .over = by_participant ? "participants" : "takes"};
+}
+
+Measurement ErrorMeasures::largest_wrist_height(const std::string& method) const {
+  const WristHeight errors = wrist_height_of(method);
+  return of_wrist(method, "largest error in a take", errors, errors.largest_m);
+}
+
+Measurement ErrorMeasures::wrist_height(const std::string& method) const {
+  const WristHeight errors = wrist_height_of(method);
+  return of_wrist(method, "mean error", errors, errors.height_m);
 }
 
 }  // namespace trilat

@@ -11,15 +11,6 @@
 
 namespace trilat {
 
-// Two methods to compare. A name is that of a method; of a family, whose methods are taken together; or "best
-// of FAMILY": for each cluster the method of it that does best on all others, so that no cluster is judged by
-// whom they helped to choose.
-struct Comparison {
-  std::string of, against;
-  std::string condition = "walking";
-  std::vector<std::string> each = {};  // joint groups, each by itself; without any the mean of the paper's
-};
-
 // Where one method errs: in a condition, at a joint group or (empty) on average over the paper's.
 struct ErrorPlace {
   std::string condition = "walking", group = {};
@@ -31,17 +22,23 @@ class ErrorMeasures {
  public:
   explicit ErrorMeasures(const StudyErrors& errors) : errors_(errors) {}
 
-  // (of - against) / against, over the samples that both answer.
-  Measurements difference(const Comparison& comparison) const;
+  // Families are compared by way of this method.
+  static constexpr const char* kVia = "nonlinear";
+
+  // (of - against) / against, over the samples at a place that both answer. A name is that of a method; of a
+  // family, whose methods are taken together; or "best of FAMILY": for each cluster the method of it that
+  // does best on all others, so that no cluster is judged by whom they helped to choose.
+  Measurement difference(const std::string& of, const std::string& against, const ErrorPlace& place) const;
   // The method's error at `place` against that at another: (place - other) / other.
-  Measurements places(const std::string& method, const ErrorPlace& place, const ErrorPlace& other) const;
+  Measurement places(const std::string& method, const ErrorPlace& place, const ErrorPlace& other) const;
   // The error of nonlinear in the half of each joint's samples with the larger acceleration, against the
   // rest.
-  Measurements abrupt() const;
+  Measurement abrupt() const;
   // How far the fastest of the joints goes in that time, in shares of the method's error there.
-  Measurements clock_cost(const std::string& method, double clock_s) const;
+  Measurement clock_cost(const std::string& method, double clock_s) const;
   // Errors of the right wrist's height, which the paper's figure shows: the largest in a take, and the mean.
-  Measurements wrist_deviation(const std::string& method) const;
+  Measurement largest_wrist_height(const std::string& method) const;
+  Measurement wrist_height(const std::string& method) const;
 
  private:
   // How the truth of a joint group moves, and the errors in either half of its samples.
@@ -56,8 +53,15 @@ class ErrorMeasures {
   std::vector<std::size_t> groups_of(const ErrorPlace& place) const;
   std::string lacking_joints(const std::string& condition) const;
   std::string silence_of(const std::string& name) const;
-  Measurement compared(const Comparison& comparison, const std::vector<std::size_t>& groups,
-                       const std::string& group_name) const;
+  // Of one method, sums of the errors of the right wrist's height: the largest of each take, and all.
+  struct WristHeight {
+    std::string missing = {};
+    ClusterSums largest_m = {}, height_m = {};
+    std::size_t clusters = 0;
+  };
+  WristHeight wrist_height_of(const std::string& method) const;
+  Measurement of_wrist(const std::string& method, const char* what, const WristHeight& errors,
+                       const ClusterSums& sums) const;
 
   const StudyErrors& errors_;
   mutable std::map<std::pair<std::string, Subset>, std::unique_ptr<ConditionErrors>> conditions_;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-#include <variant>
 #include <vector>
 
 #include "pipeline/claims/claim_number.h"
@@ -14,14 +13,35 @@
 
 namespace trilat {
 
-// How the numbers of a claim come about; monostate: none are needed.
-using ClaimMeasure =
-    std::variant<std::monostate, Measurements (*)(const ErrorMeasures&),
-                 Measurements (*)(const SweepSummary&), Measurements (*)(const ClocksSummary&),
-                 Measurements (*)(const CalibrationSummary&)>;
+// What is measured for a claim; of which kind of study stands in brackets.
+enum class ClaimMeasure : std::uint8_t {
+  difference,            // of a method's error from another's (accuracy)
+  place,                 // of a method's error at one place from that at another (accuracy)
+  abrupt,                // of nonlinear's error where joints accelerate more (accuracy)
+  clock_cost,            // how far a joint goes in that time, in shares of the error (accuracy)
+  largest_wrist_height,  // of a take (accuracy)
+  wrist_height,          // mean error (accuracy)
+  interpretations,       // of Table I that are acceptable (threshold sweep)
+  clock_share,           // of clock errors below that time (clocks)
+  queue_share,           // of the frames that the paper's queue takes (clocks)
+  wand_distance,         // mean error in a zone, or against another zone (calibration)
+};
+
+// One number of a claim.
+struct ClaimedNumber {
+  ClaimMeasure measure = ClaimMeasure::difference;
+  std::string method = {}, against = {};
+  ErrorPlace at = {}, other = {};
+  std::string server = {};  // when the paper's queue takes frames out
+  double seconds = 0.0;
+  WandZone zone = {};
+  std::optional<WandZone> other_zone = {};
+  double less_m = 0.0;
+  std::optional<ClaimBound> bound = {};  // instead of the claim's
+};
 
 // Which claims count as one of a family of tests.
-enum class ClaimKind {
+enum class ClaimKind : std::uint8_t {
   tested,       // its probability is corrected for how many are tested (Holm 1979)
   listed,       // decided by what is listed whole: no probability
   contradicts,  // by the paper's own numbers
@@ -29,21 +49,22 @@ enum class ClaimKind {
 };
 
 struct PaperClaim {
-  const char *id, *where, *text, *printed;
+  std::string id, where, text, printed;
   ClaimKind kind = ClaimKind::tested;
-  std::string_view study;  // of kPaperStudies: the repetition whose results it is judged by
-  std::optional<ClaimBound> bound;
-  const char* why;  // this margin
-  ClaimMeasure measure;
+  std::string study = {};  // of kPaperStudies: the repetition whose results it is judged by
+  std::optional<ClaimBound> bound = {};
+  std::string why = {};  // this margin
+  std::vector<ClaimedNumber> numbers = {};
 };
-std::span<const PaperClaim> paper_claims();
 
 // Effect of an erratum on errors: the method as printed against the corrected one.
 struct ErratumEffect {
-  const char* id;
-  std::string_view study;
-  ClaimMeasure measure;
+  std::string id, study;
+  std::vector<ClaimedNumber> numbers;
 };
+
+// claims.json, which is in the program.
+std::span<const PaperClaim> paper_claims();
 std::span<const ErratumEffect> erratum_effects();
 
 // The methods that claims and errata compare others with, in such a repetition of the paper.

@@ -40,7 +40,7 @@ WeightedRatio errors_in(const WandRecording& recording, const WandZone& zone) {
   return mean;
 }
 
-Measurements lacking_wand() { return lacking("a calibration study with a ball at stated distances"); }
+Measurement lacking_wand() { return lacking("a calibration study with a ball at stated distances"); }
 
 // Whether the last threshold but one is a compromise in an interpretation, at every error range: the last one
 // takes twice its steps, and the first one errs by a tenth more.
@@ -83,7 +83,7 @@ Interpretation judge(const SweepSummary& s, std::size_t interpretation, const Pr
 
 }  // namespace
 
-Measurements acceptable_interpretations(const SweepSummary& s) {
+Measurement acceptable_interpretations(const SweepSummary& s) {
   const PrintedTable1 paper = printed_table1();
   if (s.thresholds != paper.rows.size() || s.ranges != paper.ranges_cm.size() || s.thresholds < 3)
     return lacking("a sweep over the thresholds and error ranges of Table I");
@@ -101,16 +101,15 @@ Measurements acceptable_interpretations(const SweepSummary& s) {
   if (near == 0)
     return lacking("an interpretation of Table I whose every error is that near the printed one");
   return {
-      {.what = fmt::format(
-           "of {} acceptable interpretations of {}: {} of {} with equation 17 as printed, {} of {} corrected",
-           near, s.interpretations(), printed.compromise, printed.near, corrected.compromise, corrected.near),
-       .unit = "%",
-       .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
-       .over = "interpretations, all of them listed"}};
+      .what = fmt::format(
+          "of {} acceptable interpretations of {}: {} of {} with equation 17 as printed, {} of {} corrected",
+          near, s.interpretations(), printed.compromise, printed.near, corrected.compromise, corrected.near),
+      .unit = "%",
+      .number = static_cast<double>(printed.compromise + corrected.compromise) / near,
+      .over = "interpretations, all of them listed"};
 }
 
-Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s) {
-  Measurements measured;
+Measurement clock_share(const ClocksSummary& clocks, const std::string& method, double below_s) {
   for (const ClockErrorRow& row : clocks.clocks) {
     if (row.method != method) continue;
     std::vector<double> below, asked;
@@ -118,14 +117,12 @@ Measurements clock_share(const ClocksSummary& clocks, const std::string& method,
       below.push_back(static_cast<double>(below_s == 0.002 ? unit.below_2ms : unit.below_4ms));
       asked.push_back(static_cast<double>(unit.asked));
     }
-    measured.push_back(
-        {.what = clocks.campaign, .unit = "%", .number = estimate_share(below, asked), .over = kRuns});
+    return {.what = clocks.campaign, .unit = "%", .number = estimate_share(below, asked), .over = kRuns};
   }
-  return measured.empty() ? lacking("a study of clocks with clocks " + method) : measured;
+  return lacking("a study of clocks with clocks " + method);
 }
 
-Measurements queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server) {
-  Measurements measured;
+Measurement queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server) {
   for (const QueueRow& row : clocks.queues) {
     if (row.method != method || row.server != server) continue;
     std::vector<double> taken, came;
@@ -133,30 +130,29 @@ Measurements queue_share(const ClocksSummary& clocks, const std::string& method,
       taken.push_back(static_cast<double>(unit.taken));
       came.push_back(static_cast<double>(unit.came));
     }
-    measured.push_back(
-        {.what = clocks.campaign, .unit = "%", .number = estimate_share(taken, came), .over = kRuns});
+    return {.what = clocks.campaign, .unit = "%", .number = estimate_share(taken, came), .over = kRuns};
   }
-  return measured.empty() ? lacking("a study of clocks with the queue of " + method) : measured;
+  return lacking("a study of clocks with the queue of " + method);
 }
 
-Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, double less_m) {
+Measurement wand_error(const CalibrationSummary& s, const WandZone& zone, double less_m) {
   const WandRecording* recording = stated_distances(s);
   if (!recording) return lacking_wand();
   ContrastEstimate error_m = solve_contrast({{errors_in(*recording, zone)}, {}});
   error_m.value -= less_m;
-  return {{.what = fmt::format("distance of the wand, less {:g} cm", kCentimetresPerMetre * less_m),
-           .unit = "cm",
-           .number = error_m,
-           .over = kUnits}};
+  return {.what = fmt::format("distance of the wand, less {:g} cm", kCentimetresPerMetre * less_m),
+          .unit = "cm",
+          .number = error_m,
+          .over = kUnits};
 }
 
-Measurements wand_error(const CalibrationSummary& s, const WandZone& zone, const WandZone& other) {
+Measurement wand_error(const CalibrationSummary& s, const WandZone& zone, const WandZone& other) {
   const WandRecording* recording = stated_distances(s);
   if (!recording) return lacking_wand();
   const WeightedRatio base = errors_in(*recording, other);
   Contrast contrast{{errors_in(*recording, zone), base}, {base}};
   contrast.value[1].weight = -1.0;
-  return {{.what = "distance of the wand", .unit = "%", .number = solve_contrast(contrast), .over = kUnits}};
+  return {.what = "distance of the wand", .unit = "%", .number = solve_contrast(contrast), .over = kUnits};
 }
 
 }  // namespace trilat

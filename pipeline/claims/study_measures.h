@@ -15,24 +15,23 @@ namespace trilat {
 // Among the interpretations of Table I whose every error is within a factor of 2 of the printed one, the
 // share in which a smaller threshold costs twice the steps and gains a tenth of accuracy. They are listed,
 // not drawn.
-Measurements acceptable_interpretations(const SweepSummary& sweep);
+Measurement acceptable_interpretations(const SweepSummary& sweep);
 
 // The share of clock errors below 2 or 4 ms by one way to correct clocks.
-Measurements clock_share(const ClocksSummary& clocks, const std::string& method, double below_s);
+Measurement clock_share(const ClocksSummary& clocks, const std::string& method, double below_s);
 
 // The share of frames that the paper's queue takes; `server`: when it takes them out.
-Measurements queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server);
+Measurement queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server);
 
 // Where a ball is seen: from the first distance (angle from the central line) to below the second.
 struct WandZone {
   std::array<double, 2> distance_m{}, angle_deg{};
 };
-inline constexpr WandZone kRecommendedZone{{0.8, 3.0}, {0.0, 26.0}};
 
 // The mean error of the ball's distance within a zone, corrected by the mid-range of the depths, in the first
 // recording of stated distances; less a printed number.
-Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, double less_m);
+Measurement wand_error(const CalibrationSummary& calibration, const WandZone& zone, double less_m);
 // The same in one zone against another: (zone - other) / other.
-Measurements wand_error(const CalibrationSummary& calibration, const WandZone& zone, const WandZone& other);
+Measurement wand_error(const CalibrationSummary& calibration, const WandZone& zone, const WandZone& other);
 
 }  // namespace trilat

@@ -28,15 +28,10 @@ std::set<std::string> named(const std::string& text) {
   return found;
 }
 
-// The first text of each row of the table.
 std::set<std::string> ids_of_claims() {
   std::set<std::string> ids;
-  const std::string text = read_file(std::filesystem::path(kSourceDir) / "pipeline/claims/paper_claims.cpp");
-  const std::string row = "PaperClaim{";
-  for (std::size_t at = text.find(row); at != std::string::npos; at = text.find(row, at + 1)) {
-    const std::size_t begin = text.find('"', at) + 1;
-    ids.insert(text.substr(begin, text.find('"', begin) - begin));
-  }
+  const Json claims = read_json(std::filesystem::path(kSourceDir) / "pipeline/claims/claims.json");
+  for (const Json& claim : claims.at("claims")) ids.insert(claim.at("id").get<std::string>());
   return ids;
 }
 

@@ -2,6 +2,8 @@
 
 #include "reports/claims/claims.h"
 
+#include <set>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -20,7 +22,7 @@ ContrastEstimate estimate(double value, double standard_error, std::size_t clust
   return {value, standard_error, clusters};
 }
 
-constexpr PaperClaim claim_named(const char* id) {
+PaperClaim claim_named(const char* id) {
   return {id, "where", "text", "printed", ClaimKind::tested, "table3", more_than(10), "why", {}};
 }
 ClaimNumber number_of(const MeasuredNumber& number, const ClaimBound& bound, const char* id = "c") {
@@ -236,6 +238,22 @@ TEST(Claims, AreHonestWithoutResults) {
         << claim.id;
     EXPECT_FALSE(claim.reason.empty()) << claim.id;
   }
+}
+
+TEST(Claims, EachThatIsTestedSaysByWhichNumbersOfWhichStudyAndWithWhichBound) {
+  std::set<std::string> ids;
+  for (const PaperClaim& claim : paper_claims()) {
+    EXPECT_TRUE(ids.insert(claim.id).second) << claim.id;
+    const bool is_judged = claim.kind == ClaimKind::tested || claim.kind == ClaimKind::listed;
+    EXPECT_EQ(is_judged, !claim.numbers.empty()) << claim.id;
+    EXPECT_EQ(is_judged, std::ranges::find(kPaperStudies, claim.study) != kPaperStudies.end()) << claim.id;
+    for (const ClaimedNumber& number : claim.numbers)
+      EXPECT_TRUE(number.bound.has_value() || claim.bound.has_value()) << claim.id;
+  }
+  EXPECT_THAT(compared_with("table3"),
+              testing::UnorderedElementsAre("mean", "nonlinear", "nonlinear, each three",
+                                            "nonlinear mended, C = 1e-4"));
+  EXPECT_THAT(compared_with("none"), testing::IsEmpty());
 }
 
 TEST(Claims, TwoResultsOfOneStudyAreAnError) {
