@@ -20,8 +20,8 @@ namespace trilat {
 namespace {
 
 constexpr std::array kAxes{"x", "y", "z"};
-constexpr std::array<std::pair<const char*, double>, 6> kQuantiles{
-    {{"p05", 0.05}, {"p25", 0.25}, {"median", 0.5}, {"p75", 0.75}, {"p90", 0.9}, {"p95", 0.95}}};
+constexpr std::pair<const char*, double> kQuantiles[]{{"p05", 0.05}, {"p25", 0.25}, {"median", 0.5},
+                                                      {"p75", 0.75}, {"p90", 0.9},  {"p95", 0.95}};
 
 double quotient(double sum, std::uint64_t n) { return n == 0 ? kNoNumber : sum / static_cast<double>(n); }
 

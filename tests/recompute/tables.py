@@ -21,6 +21,7 @@ def rigid(estimate_m, truth_m):
 
 TRAINED = ("held_out", "joint_offset")
 TRAINING_SHARE = 0.5
+QUANTILES = {"p05": 0.05, "p25": 0.25, "median": 0.5, "p75": 0.75, "p90": 0.9, "p95": 0.95}
 
 
 def in_test_part(samples, alignment):
@@ -90,10 +91,10 @@ def cell_of(takes, m, joints, errors_m, parts):
     ended = collections.Counter()
     for s, part in zip(takes, asked):
         ended.update(s.status[:, joints, m][part])
-    quantiles_m = np.quantile(length_m, [0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0]) if len(length_m) else 7 * [np.nan]
     iterations = sum(int(s.iterations[:, joints, m][part].astype(np.int64).sum()) for s, part in zip(takes, asked))
     statistics = {("distance", "rms"): np.sqrt(mean_of(length_m**2)), ("iterations", "mean"): iterations / n if n else np.nan,
-                  **{("distance", name): value for name, value in zip(("p05", "p25", "median", "p75", "p90", "p95", "max"), quantiles_m)}}
+                  **{("distance", name): np.quantile(length_m, share) if len(length_m) else np.nan for name, share in QUANTILES.items()},
+                  ("distance", "max"): length_m.max() if len(length_m) else np.nan}
     for axis, name in enumerate("xyz"):
         statistics[name, "mean_abs"] = mean_of(np.abs(error_m[:, axis]))
         statistics[name, "bias"] = mean_of(error_m[:, axis])
