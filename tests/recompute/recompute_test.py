@@ -26,7 +26,7 @@ PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/trilat"
 SAME_M = 1e-6  # single precision at 4 m
 SAME_ANGLE_RAD = 3e-5  # arc cosines near a straight joint
 SAME_RATIO = 1e-6  # of numbers that are stored in single precision
-BIN_M = 1e-3  # quantiles are of histograms
+BIN_M, BIN_SHARE = 1e-3, 5e-3  # quantiles are of histograms; beyond 2 m their bins grow
 SENSORS = ["k1", "k2", "k3", "k4"]
 ALIGNMENTS = ["mean", "none", "first", "rigid", "held_out", "joint_offset"]
 REFERENCE = "nonlinear"
@@ -239,7 +239,8 @@ def compare_cell(cell, keys, stored):
     stored.require(cell["answered"] / cell["asked"], cell["asked"], **keys, measure="answered", statistic="share")
     for (measure, statistic), value in cell["statistics"].items():
         n = cell["asked"] if measure == "iterations" else cell["answered"]
-        stored.require(value, n, BIN_M if statistic in tables.QUANTILES else None, **keys, measure=measure, statistic=statistic)
+        off_m = max(BIN_M, BIN_SHARE * value) if value > 2.0 else BIN_M
+        stored.require(value, n, off_m if statistic in tables.QUANTILES else None, **keys, measure=measure, statistic=statistic)
     return stored.require(cell["mean"], cell["answered"], **keys, measure="distance", statistic="mean")
 
 
