@@ -139,8 +139,13 @@ void add_accuracy(const CellName& cell, double before_m, double now_m, const Gat
                   GateReport& report) {
   ++report.looked_at;
   if (is_same(before_m, now_m)) return;
+  const bool is_lost = std::isnan(before_m) || std::isnan(now_m);  // which its answers say
+  if (!is_lost && !is_change(now_m, before_m, limits)) {
+    ++report.within_limits;
+    return;
+  }
   GateFinding& finding = report.findings.emplace_back(accuracy_finding(cell, before_m, now_m));
-  if (!is_change(now_m, before_m, limits)) return;
+  if (is_lost) return;
   finding.direction = now_m > before_m ? Direction::worse : Direction::better;
   finding.alarm = finding.direction == Direction::worse;
 }
@@ -169,11 +174,12 @@ void add_coverage(const CellName& name, const BothSums& cell, const std::map<std
       percent_of(static_cast<double>(cell.answered_now), static_cast<double>(cell.answered_before));
   const bool fell = worst || percent < -limits.smallest_loss_percent;
   const bool rose = !fell && (std::isnan(percent) || percent > limits.smallest_loss_percent);
-  GateFinding finding = finding_of(name, FindingKind::coverage,
-                                   fell   ? Direction::worse
-                                   : rose ? Direction::better
-                                          : Direction::changed,
-                                   fell);
+  if (!fell && !rose) {
+    ++report.within_limits;
+    return;
+  }
+  GateFinding finding =
+      finding_of(name, FindingKind::coverage, fell ? Direction::worse : Direction::better, fell);
   finding.what = "samples answered";
   finding.before = static_cast<double>(cell.answered_before);
   finding.now = static_cast<double>(cell.answered_now);
@@ -323,6 +329,9 @@ class Comparison {
   GateReport finish() {
     judge_chances(limits_, report_);
     sort_findings(report_.findings);
+    if (report_.within_limits > 0)
+      report_.notes.push_back(
+          fmt::format("{} numbers changed by less than their limits", report_.within_limits));
     return std::move(report_);
   }
 
@@ -512,13 +521,17 @@ void list_numbers(const std::string& study, const Numbers& before, const Numbers
     ++report.looked_at;
     if (is_same(before_value, now_value)) return;
     const double least = unit_of(key) == "m" ? limits.smallest_m : limits.smallest_number;
+    const double off = std::abs(now_value - before_value);
+    if (off <= least || 100.0 * off <= limits.smallest_percent * std::abs(before_value)) {
+      ++report.within_limits;
+      return;
+    }
     GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, Direction::changed, false);
     finding.what = text_of(key);
+    finding.unit = unit_of(key);
     finding.before = before_value;
     finding.now = now_value;
     finding.percent = std::abs(before_value) <= least ? kNoNumber : percent_of(now_value, before_value);
-    const double off = std::abs(now_value - before_value);
-    if (off <= least || 100.0 * off <= limits.smallest_percent * std::abs(before_value)) return;
     findings.push_back(std::move(finding));
   };
   for (const Number& number : now.all()) add(number, before.value(number), number.value);
@@ -545,11 +558,12 @@ void compare_numbers(const std::string& study, const Json& document_before, cons
       if (is_same(finding.now, finding.before)) continue;
       const double least = key.ends_with("_m") ? limits.smallest_m : limits.smallest_number;
       const double off = std::abs(finding.now - finding.before);
-      finding.percent = percent_of(finding.now, finding.before);
-      if (std::abs(finding.before) <= least) finding.percent = kNoNumber;  // zero has no share
-      const bool counts = off > least && 100.0 * off > limits.smallest_percent * std::abs(finding.before);
-      finding.alarm = alarm && counts;
-      if (!counts && !alarm) continue;
+      if (off <= least || 100.0 * off <= limits.smallest_percent * std::abs(finding.before)) {
+        ++report.within_limits;
+        continue;
+      }
+      if (key.ends_with("_m")) finding.unit = "m";
+      if (std::abs(finding.before) > least) finding.percent = percent_of(finding.now, finding.before);
     } else {
       finding.note = fmt::format("{} before, {} now", shortened(there), shortened(here));
     }

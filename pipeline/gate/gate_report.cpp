@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/text_output.h"
+#include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
@@ -20,8 +21,10 @@ constexpr std::size_t kMostMethods = 12;  // entries of a list
 
 std::string value_text(const GateFinding& f, double value) {
   if (std::isnan(value)) return "nothing";
-  if (f.unit == "m") return fmt::format("{:.2f} cm", 100.0 * value);
-  return fmt::format("{:.6g}", value);
+  if (f.unit == "m") return fmt::format("{:.2f} cm", kCentimetresPerMetre * value);
+  if (f.unit == "rad") return fmt::format("{:.2f} degrees", kDegreesPerRad * value);
+  return fmt::format("{:.6g}{}{}", value, f.unit.empty() || f.unit == "1" ? "" : " ",
+                     f.unit == "1" ? "" : f.unit);
 }
 
 // "+7.7 % (+3.1 to +12.3), 4.10 cm -> 4.42 cm, chance 0.0004"
@@ -42,11 +45,9 @@ std::string what_text(const GateFinding& f) {
     case FindingKind::accuracy:
       return f.direction == Direction::worse    ? "larger errors"
              : f.direction == Direction::better ? "smaller errors"
-                                                : "errors differ little";
+                                                : "errors of one night alone";
     case FindingKind::coverage:
-      return f.direction == Direction::worse    ? "answers less often"
-             : f.direction == Direction::better ? "answers more often"
-                                                : "answers differ little";
+      return f.direction == Direction::worse ? "answers less often" : "answers more often";
     case FindingKind::failure:
       return "fails";
     case FindingKind::number:
@@ -211,6 +212,7 @@ Json gate_json(const GateReport& report) {
           {"baseline_reason", report.baseline_reason},
           {"smallest_effect_percent", report.smallest_percent},
           {"looked_at", report.looked_at},
+          {"within_limits", report.within_limits},
           {"studies", json_of(report.studies)},
           {"findings", json_of(report.findings)},
           {"notes", report.notes}};

@@ -96,6 +96,7 @@ struct GateReport {
   std::vector<StudyVerdict> studies;
   std::vector<GateFinding> findings;  // alarms first, the largest first
   std::uint64_t looked_at = 0;        // cells and numbers that were compared
+  std::uint64_t within_limits = 0;    // of those, changed by less than their limits
   std::vector<std::string> notes;
   NightVerdict verdict() const;  // never `accepted`
   std::uint64_t alarms() const;

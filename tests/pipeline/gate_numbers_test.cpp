@@ -36,10 +36,29 @@ TEST(GateNumbers, WhatDiffersByMoreThanTheSmallestEffectIsAnAlarm) {
   EXPECT_NEAR(found[0].percent, -100.0 / 9.0, 1e-9);
   EXPECT_EQ(found[1].what, "/cells/a/mae_m");
   EXPECT_NEAR(found[1].percent, -10.0, 1e-9);
-  found = changes(document_with(0.1, 9.0), document_with(0.1005, 9.0));
-  ASSERT_THAT(found, SizeIs(1));
-  EXPECT_FALSE(found[0].alarm);
-  EXPECT_NEAR(found[0].percent, 0.5, 1e-9);
+}
+
+TEST(GateNumbers, WhatDiffersByLessThanItsLimitIsCountedAndNotListed) {
+  GateReport report;
+  compare_numbers("sweep", document_with(0.1, 9.0), document_with(0.1005, 9.08), true, {}, report);
+  EXPECT_THAT(report.findings, testing::IsEmpty());
+  EXPECT_EQ(report.within_limits, 2u);
+  compare_numbers("sweep", document_with(0.1, 9.0), document_with(0.1 + 1e-12, 9.0), true, {}, report);
+  EXPECT_EQ(report.within_limits, 2u);  // the same number
+  Numbers before, now;
+  const NumberKey key{.group = "head", .method = "a", .measure = "distance"};
+  for (const auto& [statistic, was, is] :
+       {std::tuple{"median", 0.1, 0.1005}, {"p95", 0.2, 0.22}, {"rms", 0.1, 0.1}}) {
+    before.add({key.with({.statistic = statistic}), was});
+    now.add({key.with({.statistic = statistic}), is});
+  }
+  report = {};
+  list_numbers("walks", before, now, {}, report);
+  ASSERT_THAT(report.findings, SizeIs(1));
+  EXPECT_EQ(report.findings[0].what, "distance p95, a, head");
+  EXPECT_EQ(report.findings[0].unit, "m");
+  EXPECT_EQ(report.within_limits, 1u);
+  EXPECT_EQ(report.looked_at, 3u);
 }
 
 TEST(GateNumbers, RowsAreComparedByName) {
