@@ -37,13 +37,20 @@ std::vector<std::string> csv_fields(std::string_view record) {
   return fields;
 }
 
-std::size_t end_of_csv_record(std::string_view text, std::size_t first) {
+void for_each_csv_record(const std::string& file, std::string_view text,
+                         const std::function<void(const std::string&, const std::string&)>& read) {
+  std::size_t number = 0, first = 0;
   bool quoted = false;
-  for (std::size_t i = first; i < text.size(); ++i) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '"') quoted = !quoted;
-    if (text[i] == '\n' && !quoted) return i;
+    if (text[i] != '\n' || quoted) continue;
+    std::string_view record = text.substr(first, i - first);
+    if (record.ends_with('\r')) record.remove_suffix(1);
+    read(fmt::format("{}:{}", file, ++number), std::string(record));
+    first = i + 1;
   }
-  return text.size();
+  if (first < text.size())
+    throw InputError(fmt::format("{}:{}", file, number + 1), "is cut: the line has no end");
 }
 
 std::string shell_word(std::string_view text) {

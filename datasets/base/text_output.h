@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -20,8 +21,12 @@ std::string csv_field(std::string_view text);
 std::string csv_quoted(std::string_view text);
 // The fields of one record, without their quotes.
 std::vector<std::string> csv_fields(std::string_view record);
-// End of the record that begins at `first`: its end of line outside quotes, or that of the text.
-std::size_t end_of_csv_record(std::string_view text, std::size_t first);
+// Calls `read(place, record)` for each record of a file's text, where place is "FILE:NUMBER" and the end of
+// line, which may be that of Windows, is taken off. InputError when the last record has no end of line: its
+// last number may be cut, and look like a number.
+void for_each_csv_record(
+    const std::string& file, std::string_view text,
+    const std::function<void(const std::string& place, const std::string& record)>& read);
 // Text that a shell takes as one word: as it is when that is plain, else in single quotes.
 std::string shell_word(std::string_view text);
 

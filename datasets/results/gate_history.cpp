@@ -75,20 +75,14 @@ const char* name_of(NightVerdict verdict) { return kNightVerdicts.at(static_cast
 std::vector<Night> read_history(const std::filesystem::path& path) {
   std::vector<Night> nights;
   if (!std::filesystem::exists(path)) return nights;
-  const std::string text = read_file(path, kMaxBytes);
   std::vector<std::string> columns;
-  std::size_t line = 0;
-  for (std::size_t first = 0; first < text.size(); ++line) {
-    const std::size_t end = end_of_csv_record(text, first);
-    std::string record = text.substr(first, end - first);
-    const std::string place = fmt::format("{}:{}", path.string(), line + 1);
-    first = end + 1;
-    if (record.ends_with('\r')) record.pop_back();  // saved by a spreadsheet
-    if (line == 0)
-      columns = columns_of(record, place);
-    else
-      nights.push_back(night_of(csv_fields(record), columns, place));
-  }
+  for_each_csv_record(path.string(), read_file(path, kMaxBytes),
+                      [&](const std::string& place, const std::string& record) {
+                        if (columns.empty())
+                          columns = columns_of(record, place);
+                        else
+                          nights.push_back(night_of(csv_fields(record), columns, place));
+                      });
   return nights;
 }
 

@@ -35,8 +35,7 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kUnitOfMeasure{{{"a
 // One row of the file, whose cells are read with their place.
 class Row {
  public:
-  Row(const std::string& file, std::size_t line, const std::string& text)
-      : place_(fmt::format("{}:{}", file, line)), cells_(csv_fields(text)) {
+  Row(const std::string& place, const std::string& text) : place_(place), cells_(csv_fields(text)) {
     if (cells_.size() != kNumberColumns.size())
       throw InputError(place_, fmt::format("has {} of {} cells: {}", cells_.size(), kNumberColumns.size(),
                                            "the file is cut or was edited; make the results again"));
@@ -57,7 +56,6 @@ class Row {
     number.p = real(kN + 2);
     return number;
   }
-  const std::string& place() const { return place_; }
 
  private:
   [[noreturn]] void refuse(std::size_t column, const std::string& right) const {
@@ -142,23 +140,20 @@ void write_numbers(const std::filesystem::path& folder, const Numbers& numbers) 
 }
 
 Numbers read_numbers(const std::filesystem::path& folder, std::size_t expected) {
-  const std::string file = (folder / kNumbersFile).string(),
-                    text = read_file(folder / kNumbersFile, kMaxNumbersBytes);
+  const std::string file = (folder / kNumbersFile).string();
   Numbers numbers;
-  std::size_t line = 0;
-  for (std::size_t first = 0; first < text.size(); ++line) {
-    const std::size_t end = end_of_csv_record(text, first);
-    const std::string row_text = text.substr(first, end - first);
-    first = end + 1;
-    if (line == 0) {
-      if (row_text != kHeader) throw InputError(file + ":1", fmt::format("must be the line \"{}\"", kHeader));
-      continue;
-    }
-    const Row row(file, line + 1, row_text);
-    Number number = row.number();
-    if (numbers.find(number)) throw InputError(row.place(), "repeats a number that stands above");
-    numbers.add(std::move(number));
-  }
+  bool is_first = true;
+  for_each_csv_record(file, read_file(file, kMaxNumbersBytes),
+                      [&](const std::string& place, const std::string& record) {
+                        if (std::exchange(is_first, false)) {
+                          if (record == kHeader) return;
+                          throw InputError(place, fmt::format("must be the line \"{}\"", kHeader));
+                        }
+                        Number number = Row(place, record).number();
+                        if (numbers.find(number))
+                          throw InputError(place, "repeats a number that stands above");
+                        numbers.add(std::move(number));
+                      });
   if (numbers.all().size() != expected)
     throw InputError(file, fmt::format("has {} of the {} numbers that summary.json states; make the results "
                                        "again",

@@ -42,7 +42,7 @@ class Numbers {
  public:
   // Numbers that are NaN are left out. A key that is there already is our bug.
   void add(Number number);
-  // Nothing where there is no such number.
+  // The number of that key, or null.
   const Number* find(const NumberKey& key) const;
   double value(const NumberKey& key) const;
   std::uint64_t n(const NumberKey& key) const;  // 0 where there is no such number

@@ -16,6 +16,11 @@ bool has(const std::vector<std::string>& list, const std::string& name) {
   return std::ranges::find(list, name) != list.end();
 }
 
+NumberKey key_of(const std::string& method, const std::string& condition, const std::string& group,
+                 const std::string& alignment) {
+  return {.condition = condition, .group = group, .method = method, .alignment = alignment};
+}
+
 double average_m(const ResultsSummary& s, const std::string& condition, const std::string& method) {
   const Number* error = find_error(s, method, condition, average_group(s), s.alignments.front());
   return error ? error->value : std::numeric_limits<double>::infinity();
@@ -42,23 +47,15 @@ ResultsSummary read_summary(const std::filesystem::path& folder) {
 const Number* find_error(const ResultsSummary& summary, const std::string& method,
                          const std::string& condition, const std::string& group,
                          const std::string& alignment) {
-  return summary.numbers.find({.condition = condition,
-                               .group = group,
-                               .method = method,
-                               .alignment = alignment,
-                               .measure = "distance",
-                               .statistic = "mean"});
+  return summary.numbers.find(
+      key_of(method, condition, group, alignment).with({.measure = "distance", .statistic = "mean"}));
 }
 
 const Number* find_coverage(const ResultsSummary& summary, const std::string& method,
                             const std::string& condition, const std::string& group,
                             const std::string& alignment) {
-  return summary.numbers.find({.condition = condition,
-                               .group = group,
-                               .method = method,
-                               .alignment = alignment,
-                               .measure = "answered",
-                               .statistic = "share"});
+  return summary.numbers.find(
+      key_of(method, condition, group, alignment).with({.measure = "answered", .statistic = "share"}));
 }
 
 double coverage_of(const ResultsSummary& summary, const std::string& method, const std::string& condition,
@@ -70,13 +67,9 @@ double coverage_of(const ResultsSummary& summary, const std::string& method, con
 const Number* find_difference(const ResultsSummary& summary, const std::string& method,
                               const std::string& condition, const std::string& group,
                               const std::string& alignment, const char* statistic) {
-  return summary.numbers.find({.condition = condition,
-                               .group = group,
-                               .method = method,
-                               .against = summary.reference,
-                               .alignment = alignment,
-                               .measure = "distance",
-                               .statistic = statistic});
+  return summary.numbers.find(
+      key_of(method, condition, group, alignment)
+          .with({.against = summary.reference, .measure = "distance", .statistic = statistic}));
 }
 
 std::vector<TakeJointRow> rows_by_take(const ResultsSummary& summary) {

@@ -201,7 +201,7 @@ struct RowColumn {
         show(std::move(cell.show)) {}
 };
 
-// What a table is about: what was measured, and on what.
+// A table's title: what was measured, and on which data.
 struct TableTitle {
   TableTitle(const char* what) : text(what) {}
   TableTitle(std::string what, std::string on = {}) : text(std::move(what)), about(std::move(on)) {}

@@ -53,7 +53,7 @@ class ErrorMeasures {
   std::vector<std::size_t> groups_of(const ErrorPlace& place) const;
   std::string lacking_joints(const std::string& condition) const;
   std::string silence_of(const std::string& name) const;
-  // Of one method, sums of the errors of the right wrist's height: the largest of each take, and all.
+  // Sums of one method's errors of the right wrist's height (m): each take's largest error, and all errors.
   struct WristHeight {
     std::string missing = {};
     ClusterSums largest_m = {}, height_m = {};

@@ -92,7 +92,7 @@ const ClaimsFile& claims_file() {
   return file;
 }
 
-// What a study measures of a number; nothing where the number is of another kind of study.
+// Measures a number on a study's results; nothing where another kind of study measures it.
 std::optional<Measurement> measure(const ClaimedNumber& number, const ErrorMeasures& errors) {
   switch (number.measure) {
     case ClaimMeasure::difference:

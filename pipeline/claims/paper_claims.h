@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// What is measured for a claim; of which kind of study stands in brackets.
+// A measure that claims are judged by; the kind of study that has it stands in brackets.
 enum class ClaimMeasure : std::uint8_t {
   difference,            // of a method's error from another's (accuracy)
   place,                 // of a method's error at one place from that at another (accuracy)

@@ -257,7 +257,7 @@ class StudyNumbers {
     }
   }
 
-  // Of all samples; one without an answer counts as not near.
+  // Adds the share of all asked samples that lie within each radius; one without an answer does not.
   void add_shares_within(const NumberKey& key, const ConditionErrors& errors, std::size_t m, std::size_t a) {
     for (const double radius_m : kPckRadii_m) {
       std::uint64_t asked = 0, within = 0;

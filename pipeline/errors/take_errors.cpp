@@ -329,13 +329,14 @@ class TrackErrors {
   const SampleMarks marks_;
   const std::vector<SampleColumn> own_;
   const ColumnAlignments columns_;
-  // Of the current block: by cell; by method, the last of the truth; range and bearing by joint and method.
+  // Sums of the current block. A cell is a joint, method and alignment; jerks_ ends with the truth's; views_
+  // has range and bearing by joint and method.
   std::vector<std::array<std::array<ErrorSums, kOfSample>, kParts>> samples_;
   std::vector<std::array<ErrorSums, 2>> bodies_;  // MPJPE, PA-MPJPE by method
   std::vector<ErrorSums> jerks_;
   std::vector<std::array<ErrorSums, 2>> views_;
   std::vector<WholeBody> body_;  // by instant of a window and method
-  // Of the take: by cell; by joint and method; by method and bone.
+  // Counts of the whole take: bins_ by cell, ended_ by joint and method, bone_lengths_ by method and bone.
   std::vector<std::array<std::vector<std::uint32_t>, kParts>> bins_;
   std::vector<std::array<std::array<EndedRow, 2>, kParts>> ended_;
   std::vector<std::pair<std::size_t, std::size_t>> bones_;  // joints

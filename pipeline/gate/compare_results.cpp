@@ -21,7 +21,7 @@ namespace trilat {
 namespace {
 
 constexpr std::uint64_t kFewestLost = 15;  // samples of a take: the loss of fewer says nothing
-constexpr std::size_t kMostNumbers = 100;  // of a study that are listed
+constexpr std::size_t kMaxListed = 100;    // of a study that are listed
 constexpr double kSame = 1e-9;             // relative: what is nearer is equal
 
 bool is_same(double a, double b) {
@@ -331,7 +331,7 @@ class Comparison {
     sort_findings(report_.findings);
     if (report_.within_limits > 0)
       report_.notes.push_back(
-          fmt::format("{} numbers changed by less than their limits", report_.within_limits));
+          fmt::format("numbers that changed by less than their limits: {}", report_.within_limits));
     return std::move(report_);
   }
 
@@ -503,10 +503,10 @@ namespace {
 
 void add_largest(const std::string& study, std::vector<GateFinding> findings, GateReport& report) {
   sort_findings(findings);
-  if (findings.size() > kMostNumbers) {
+  if (findings.size() > kMaxListed) {
     report.notes.push_back(fmt::format("{}: {} numbers differ, of which the {} largest are listed", study,
-                                       findings.size(), kMostNumbers));
-    findings.resize(kMostNumbers);
+                                       findings.size(), kMaxListed));
+    findings.resize(kMaxListed);
   }
   std::ranges::move(findings, std::back_inserter(report.findings));
 }

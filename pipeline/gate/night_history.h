@@ -12,8 +12,8 @@
 
 namespace trilat {
 
-// What a history keeps of results: of each method and condition of accuracy studies the mean error over the
-// joint groups (of the only one, where there is one), of the first alignment.
+// Mean errors (m) that a history keeps of accuracy studies: one for each method and condition, averaged over
+// the joint groups, under the study's first alignment.
 std::map<std::string, double> mean_errors_of(const ResultsSet& results);
 
 // The name of what a finding is about, the same every night; a history keeps it of each alarm.

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The numbers that a study stored: what all of its tables are made of."""
 import csv
+import io
+import json
 import os
 from pathlib import Path
 
@@ -21,9 +23,16 @@ def numbers(folder: str | os.PathLike, **keys: str) -> list[dict]:
         raise InputError(path, f'has no column "{key}"; it has {", ".join(NUMBER_KEYS)}')
     wanted = {"take": "", **keys}
     try:
+        stated = json.loads(path.with_name("summary.json").read_text(encoding="utf-8"))["rows"]
         with open(path, newline="", encoding="utf-8") as file:
-            return [{**row, **{key: _value(row[key], kind) for key, kind in VALUES.items()}} for row in csv.DictReader(file)
-                    if all(row[key] == value for key, value in wanted.items())]
+            text = file.read()
+        read = list(csv.DictReader(io.StringIO(text, newline="")))
+        if not text.endswith("\n") or any(None in row or None in row.values() for row in read):
+            raise ValueError("a row is cut")
+        if len(read) != stated:
+            raise ValueError(f"has {len(read)} of the {stated} numbers that summary.json states")
+        return [{**row, **{key: _value(row[key], kind) for key, kind in VALUES.items()}} for row in read
+                if all(row[key] == value for key, value in wanted.items())]
     except OSError as error:
         raise InputError(path, "cannot be read; a folder that `trilat run` of an accuracy study wrote is expected") from error
     except (KeyError, TypeError, ValueError) as error:

@@ -92,7 +92,16 @@ TEST(Numbers, EveryPartOfAKeyTellsTwoApart) {
 }
 
 TEST(Numbers, DamageIsNamedWithItsRow) {
-  EXPECT_THAT(damage_of(written().substr(0, written().find("answered"))), HasSubstr("numbers.csv:3: has "));
+  EXPECT_THAT(damage_of(written().substr(0, written().find("answered"))),
+              HasSubstr("numbers.csv:3: is cut: the line has no end"));
+  EXPECT_THAT(damage_of(with(",1,0.75,", ",0.75,")), HasSubstr("numbers.csv:3: has 14 of 15 cells"));
+  Numbers with_p;  // whose last digits are gone: what is left is a number, too
+  with_p.add({kHead.with({.measure = "distance", .statistic = "mean"}), 0.1, 0.0, 0.3, 9, 16, 0.0412});
+  const ScratchFolder folder;
+  write_numbers(folder.path(), with_p);
+  const std::string whole = read_file(folder / kNumbersFile, 10'000);
+  EXPECT_EQ(damage_of(whole, 1), "was read");
+  EXPECT_THAT(damage_of(whole.substr(0, whole.size() - 3), 1), HasSubstr("numbers.csv:2: is cut"));
   EXPECT_THAT(damage_of(written(), 4), HasSubstr("has 3 of the 4 numbers that summary.json states"));
   EXPECT_THAT(damage_of(written(), 2), HasSubstr("has 3 of the 2 numbers"));
   EXPECT_THAT(damage_of(written() + written().substr(written().find("walking"))),

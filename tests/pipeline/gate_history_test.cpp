@@ -160,9 +160,13 @@ TEST(GateHistory, WhatCannotBeReadIsRefusedBeforeAnythingIsWritten) {
   const auto before = folder / "before", history = folder / "history.csv";
   const std::string header = std::string(kHistoryHeader) + ",a (m)\n";
   const std::vector<std::pair<std::string, std::string>> bad{
-      {R"({"format":"trilat.history","version":2})", "history.csv:1: is a history of version 0.4.0; move it"},
-      {header + "2026,0.5.0,quiet,,,,0.5\n2026,0.5.0,qui",
+      {R"({"format":"trilat.history","version":2})"
+       "\n",
+       "history.csv:1: is a history of version 0.4.0; move it"},
+      {header + "2026,0.5.0,quiet,,,,0.5\n2026,0.5.0,qui\n",
        "history.csv:3: has 3 of 7 cells: the line is cut"},
+      {header + "2026,0.5.0,quiet,,,,0.5\n2026,0.5.0,quiet,,,,0.0",
+       "history.csv:3: is cut: the line has no end"},
       {header + "2026,0.5.0,fine,,,,0.5\n", "history.csv:2: verdict is \"fine\"; it must be one of quiet, "},
       {header + "2026,0.5.0,quiet,,,,-0.5\n",
        "history.csv:2: a (m) is \"-0.5\"; it must be an error in metres"},

@@ -115,8 +115,8 @@ TEST(Gate, ToleratesLessThanTheSmallestEffectAndToldEffectsCanBeSet) {
   nights.write(larger_errors(1.005));
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 0);
-  EXPECT_THAT(ended.out,
-              AllOf(HasSubstr("numbers changed by less than their limits\n"), Not(HasSubstr("errors\n"))));
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("numbers that changed by less than their limits: "),
+                               Not(HasSubstr("errors\n"))));
   EXPECT_EQ(nights.gate({"--smallest-effect", "0.2"}).code, 1);
 }
 

@@ -297,6 +297,23 @@ class Frames(Opened):
             with self.assertRaisesRegex(trilat.InputError, words):
                 wrong()
 
+    def test_numbers_that_are_cut_are_refused_and_not_read_as_others(self):
+        folder = self.folder / "cut numbers"
+        folder.mkdir()
+        shutil.copy(self.results.folder / "summary.json", folder)
+        whole = (self.results.folder / "numbers.csv").read_text(encoding="utf-8")
+        header, row = whole.splitlines()[:2]
+        for text, words in ((whole[:-1], "a row is cut"),
+                            (whole.replace(row, row.rpartition(",")[0], 1), "a row is cut"),
+                            (whole.replace(row + "\n", "", 1), "numbers that summary.json states"),
+                            (whole.replace(row, row + ",", 1), "a row is cut"),
+                            (header + "\n", "has 0 of the")):
+            (folder / "numbers.csv").write_text(text, encoding="utf-8")
+            with self.assertRaisesRegex(trilat.InputError, words):
+                trilat.numbers(folder)
+        (folder / "numbers.csv").write_text(whole, encoding="utf-8")
+        self.assertGreater(len(trilat.numbers(folder)), 100)
+
     def test_a_missing_package_is_one_line_that_says_what_to_install(self):
         (self.folder / "hidden").mkdir()
         (self.folder / "hidden/h5py.py").write_text("raise ImportError")

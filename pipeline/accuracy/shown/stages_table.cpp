@@ -55,7 +55,7 @@ const Number* average_error(const ResultsSummary& s, const std::string& method,
   return find_error(s, method, condition, average_group(s), s.alignments.front());
 }
 
-// By stage, the changes from the one before; of the first none.
+// Changes of each stage from the one before; the first stage has none.
 std::vector<std::optional<ErrorChanges>> changes_of(const ResultsSummary& s, const StagesOf& of) {
   const ErrorsByJoint all = errors_by_joint(s);
   std::vector<std::optional<ErrorChanges>> changes(1);
