@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -155,6 +156,38 @@ const char* name_of(FindingKind kind) {
 const char* name_of(Direction direction) {
   constexpr std::array<const char*, 3> kNames{"worse", "better", "changed"};
   return kNames.at(static_cast<std::size_t>(direction));
+}
+
+GateFinding finding_of(const CellName& cell, FindingKind kind, Direction direction, bool alarm) {
+  GateFinding finding;
+  static_cast<CellName&>(finding) = cell;
+  finding.kind = kind;
+  finding.direction = direction;
+  finding.alarm = alarm;
+  return finding;
+}
+
+void sort_findings(std::vector<GateFinding>& findings) {
+  const auto size = [](const GateFinding& f) {
+    if (std::isnan(f.percent)) return f.kind == FindingKind::number ? 0.0 : HUGE_VAL;
+    return std::abs(f.percent);
+  };
+  std::ranges::stable_sort(findings, [&](const GateFinding& a, const GateFinding& b) {
+    const auto order = [&](const GateFinding& f) {
+      return std::tuple(!f.alarm, f.kind == FindingKind::number, -size(f));
+    };
+    return order(a) < order(b);
+  });
+}
+
+bool is_same(double a, double b) {
+  constexpr double kSame = 1e-9;
+  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) == std::isnan(b);
+  return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b));
+}
+
+double percent_of(double now, double before) {
+  return before == 0.0 ? kNoNumber : 100.0 * (now - before) / std::abs(before);
 }
 
 std::uint64_t GateReport::alarms() const {

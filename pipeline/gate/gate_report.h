@@ -63,6 +63,16 @@ struct GateFinding : CellName {
   }
 };
 
+GateFinding finding_of(const CellName& cell, FindingKind kind, Direction direction, bool alarm);
+// Alarms first, and what is surely worse before numbers that changed one way or the other; of each the
+// largest first. Failures have no size and come before all others, numbers that were zero behind them.
+void sort_findings(std::vector<GateFinding>& findings);
+
+// Whether two numbers are equal but for rounding (1e-9 of the larger), or both are none.
+bool is_same(double a, double b);
+// The change as a percentage of `before`; NaN where that is zero.
+double percent_of(double now, double before);
+
 // State of one study beside the baseline.
 enum class StudyState : std::uint8_t {
   identical,    // every number is the same

@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "datasets/base/strict_json.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {
