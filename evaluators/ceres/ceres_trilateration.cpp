@@ -8,7 +8,7 @@
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
 
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 
 namespace trilat {
 namespace {
@@ -44,7 +44,7 @@ ceres::Solver::Options solver_options(const CeresOptions& options) {
   result.gradient_tolerance = options.gradient_tolerance;
   result.parameter_tolerance = options.parameter_tolerance;
   result.max_num_iterations = options.max_iterations;
-  // Damping by a multiple of the identity, as in nonlinear.cpp. The default scales it by the diagonal of J^T
+  // Damping by a multiple of the identity, as in descent.cpp. The default scales it by the diagonal of J^T
   // J, which vanishes across the sensors' plane, where it is needed most.
   result.jacobi_scaling = false;
   result.min_lm_diagonal = 1.0;
@@ -56,7 +56,7 @@ ceres::Solver::Options solver_options(const CeresOptions& options) {
 
 Descent descend_by_ceres(const RangeProblem& problem, const CeresOptions& options,
                          const Eigen::Vector3d& start_m) {
-  const double start_cost_m2 = linearise(packed(problem), start_m).cost_m2;
+  const double start_cost_m2 = linearise(problem, start_m).cost_m2;
   if (!std::isfinite(start_cost_m2)) return {start_m, SolveStatus::diverged, 0, start_cost_m2};
   Eigen::Vector3d x = start_m;
   ceres::Problem least_squares;

@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "datasets/base/error.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
+#include "evaluators/solvers/squared_ranges.h"
 #include "evaluators/solvers/symmetric3.h"
 
 namespace trilat {

@@ -13,7 +13,7 @@
 #include "datasets/base/error.h"
 #include "evaluators/fusion/ray_variances.h"
 #include "evaluators/metrics/student.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 
 namespace trilat {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
-#include <vector>
+
+#include <Eigen/Core>
 
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
+#include "evaluators/solvers/symmetric3.h"
 
 namespace trilat {
 
@@ -16,7 +16,7 @@ enum class Gradient : std::uint8_t {
   // eq. 17 as printed, erratum E7: the step shrinks by about unit / distance, and unless the distances are
   // equal it ends where sum(u f / d) = 0, which is not the minimum of F.
   printed,
-  corrected,  // J^T W f
+  corrected,  // J^T f
 };
 
 enum class Damping : std::uint8_t {
@@ -32,8 +32,8 @@ enum class StopRule : std::uint8_t {
 
 // What the step inverts.
 enum class Curvature : std::uint8_t {
-  gauss_newton,  // J^T W J (eq. 14, which the paper calls Newton iteration: erratum E10)
-  // Half the Hessian of F, J^T W J + sum w (1 - r/d) (I - u u^T), once Gauss-Newton predicts F well.
+  gauss_newton,  // J^T J (eq. 14, which the paper calls Newton iteration: erratum E10)
+  // Half the Hessian of F, J^T J + sum (1 - r/d) (I - u u^T), once Gauss-Newton predicts F well.
   newton,
 };
 
@@ -53,73 +53,59 @@ struct DescentOptions {
 // What is wrong with these options together, as a sentence; empty when nothing is.
 std::string contradiction_in(const DescentOptions& options);
 
-// Rows of doubles, one lane a problem, each row starting on a boundary of 64 bytes and filled up to a
-// multiple of kLaneBlock lanes. Zero at first.
-class LaneRows {
- public:
-  LaneRows() = default;
-  LaneRows(std::size_t rows, std::size_t lanes);
-  double* row(std::size_t r) { return data_.get() + r * stride_; }
-  const double* row(std::size_t r) const { return data_.get() + r * stride_; }
-  std::size_t stride() const { return stride_; }
+// Nearer than this to a sensor the direction to it is rounding: its row of J shrinks to zero.
+inline constexpr double kOnSensor_m = 1e-12;
 
- private:
-  struct Free {
-    void operator()(double* p) const;
-  };
-  std::unique_ptr<double[], Free> data_;
-  std::size_t stride_ = 0;
-};
-inline constexpr std::size_t kLaneBlock = 8;  // lanes of the widest vector
-
-// Descents side by side: each lane is one problem with one start.
-struct DescentBatch {
-  int sensors = 0;                  // 1 to kMaxSensors
-  std::size_t count = 0;            // lanes in use
-  bool one_rig = false;             // the sensors stand alike for all lanes: sensor_m has one lane
-  LaneRows sensor_m;                // 3 rows a sensor: x, y, z in the world
-  LaneRows range_m;                 // a row a sensor
-  LaneRows weight;                  // a row a sensor: 1, or 0 when it does not see the joint
-  LaneRows position_m;              // x, y, z: the start, then the end
-  LaneRows cost_m2;                 // sum of squared residuals at the end
-  LaneRows iterations;              // steps tried
-  std::vector<SolveStatus> status;  // converged, iteration_limit, rank_deficient or diverged
-
-  // Makes the rows, with every weight 1.
-  DescentBatch(int sensor_count, std::size_t lanes, bool shared_rig);
+// F = sum f^2, f = |x - s| - r (eq. 10), and its linearisation at x: rows of J are the unit vectors u from
+// the sensors.
+struct RangeEquations {
+  Symmetric3 matrix;         // what the step inverts
+  Eigen::Vector3d gradient;  // J^T f, half the derivative of F; or what eq. 17 prints in its place
+  double cost_m2 = 0.0;      // F
+  double grain_m2 = 0.0;     // sum of |f| d: F's rounding error is some 1e-16 of it
 };
 
-// Minimises F = sum w (|x - s| - r)^2 in every lane, by the widest vectors this processor has.
-// Every lane gives the same bits whatever the width and whatever the others do. A lane ends with
-//   converged        its stop rule held
-//   rank_deficient   is_rank_deficient() of J^T W J at an iterate (without damping only)
+// By the options' gradient; `curvature` says whether to use the whole Hessian.
+RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m,
+                         const DescentOptions& options, Curvature curvature);
+// J^T J, J^T f and F.
+RangeEquations linearise(const RangeProblem& problem, const Eigen::Vector3d& x_m);
+
+// Directions count as not spanning space when gdop^2 * number of sensors > 1 / kRankRatio, which bounds the
+// ratio of the smallest to the largest eigenvalue of J^T J within a factor of 9. At 2 m from sensors in one
+// plane that is a joint within about 30 um of the plane.
+inline constexpr double kRankRatio = 1e-10;
+
+// `determinant` and `adjugate` are those of `normal`, J^T J. NaN counts as deficient.
+inline bool is_rank_deficient(const Symmetric3& normal, const Symmetric3& adjugate, double determinant) {
+  const double trace = normal.trace();
+  const double pairs = adjugate.trace();
+  return !(pairs > kRankRatio * trace * trace && determinant > kRankRatio * trace * pairs);
+}
+
+// Where one descent from one start has ended.
+struct Descent {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
+  SolveStatus status = SolveStatus::not_solved;
+  int iterations = 0;  // steps tried
+  double cost_m2 = kNaN;
+};
+
+// Minimises F from a start. Ends with
+//   converged        the stop rule held
+//   rank_deficient   is_rank_deficient() of J^T J at an iterate (without damping only)
 //   iteration_limit  max_iterations steps were tried
-//   diverged         an iterate or its cost is not finite
-// InternalError when contradiction_in(options).
-void descend(DescentBatch& batch, const DescentOptions& options);
+//   diverged         F at an iterate is not finite
+// With damping F never rises by more than rounding. InternalError when contradiction_in(options).
+[[nodiscard]] Descent descend(const RangeProblem& problem, const Eigen::Vector3d& start_m,
+                              const DescentOptions& options);
 
-// The same for one problem or its two sides, without allocating: rows of kPairLanes lanes.
-inline constexpr std::size_t kPairLanes = 2;
-struct DescentPair {
-  int sensors = 0;
-  alignas(16) double sensor_m[24][kPairLanes];
-  alignas(16) double range_m[8][kPairLanes];
-  alignas(16) double weight[8][kPairLanes];
-  alignas(16) double position_m[3][kPairLanes];
-  alignas(16) double cost_m2[kPairLanes];
-  alignas(16) double iterations[kPairLanes];
-  SolveStatus status[kPairLanes];
+// The estimate at x with cost, gdop (infinite where the directions do not span space) and covariance, the
+// Cramer-Rao bound (J^T J)^-1 of ranges with variance 1 (NaN where gdop is infinite).
+[[nodiscard]] PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m,
+                                        SolveStatus status, int iterations);
 
-  void set_lane(std::size_t lane, const RangeProblem& problem, const Eigen::Vector3d& start_m) {
-    sensors = problem.count;
-    for (int i = 0; i < problem.count; ++i) {
-      for (int axis = 0; axis < 3; ++axis) sensor_m[3 * i + axis][lane] = problem.sensor_m[i][axis];
-      range_m[i][lane] = problem.range_m[i];
-      weight[i][lane] = 1.0;
-    }
-    for (int axis = 0; axis < 3; ++axis) position_m[axis][lane] = start_m[axis];
-  }
-};
-void descend(DescentPair& pair, const DescentOptions& options);
+// The end of a descent with its geometry; rank_deficient when the directions do not span space there.
+[[nodiscard]] PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent);
 
 }  // namespace trilat

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {

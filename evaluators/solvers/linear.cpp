@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/sensor_plane.h"
 
 namespace trilat {

@@ -2,163 +2,104 @@
 #include "evaluators/solvers/nonlinear.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "datasets/base/error.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/range_lanes.h"
 #include "evaluators/solvers/sensor_plane.h"
+#include "evaluators/solvers/squared_ranges.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kProblemsAtATime = 512;
-constexpr double kFlat = 0.2;  // spread of the sensors across their plane, of the offset of a minimum
+using Eigen::Vector3d;
 
-// A problem before its descents: why there are none, or where they start.
-struct Prepared {
-  SolveStatus refusal = SolveStatus::not_solved;
-  int starts = 0;
-  std::array<Eigen::Vector3d, 2> start_m;
-};
-
-Prepared prepared(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
-  Prepared result;
+// Why a problem has no descent; not_solved where it has.
+SolveStatus refusal_of(const SensorPlane& plane, const NonlinearOptions& options) {
   if (options.start == Start::point && !options.start_point_m.allFinite())
-    result.refusal = SolveStatus::non_finite_input;
-  else if (plane.collinear)
-    result.refusal = SolveStatus::rank_deficient;
-  if (result.refusal != SolveStatus::not_solved) return result;
-  const Eigen::Vector3d wanted_m =
+    return SolveStatus::non_finite_input;
+  return plane.collinear ? SolveStatus::rank_deficient : SolveStatus::not_solved;
+}
+
+Vector3d start_of(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
+  const Vector3d wanted_m =
       wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
-  const bool damped = options.damping == Damping::lm;
-  result.start_m[0] = damped || !wanted_m.allFinite() ? safe_start(problem, plane, wanted_m) : wanted_m;
-  result.start_m[1] = plane.mirrored(result.start_m[0]);
-  // In an exact plane the other minimum is the mirror image of the first.
-  result.starts = damped && !plane.exact ? 2 : 1;
-  return result;
+  const bool is_safe = options.damping == Damping::none && wanted_m.allFinite();
+  return is_safe ? wanted_m : safe_start(problem, plane, wanted_m);
 }
 
-// Both starts of one problem, without allocating.
-std::array<Descent, kPairLanes> descend_pair(const RangeProblem& problem, const NonlinearOptions& options,
-                                             const std::array<Eigen::Vector3d, kPairLanes>& start_m) {
-  DescentPair pair;
-  for (std::size_t lane = 0; lane < kPairLanes; ++lane) pair.set_lane(lane, problem, start_m[lane]);
-  descend(pair, options);
-  std::array<Descent, kPairLanes> ends;
-  for (std::size_t lane = 0; lane < kPairLanes; ++lane)
-    ends[lane] = {{pair.position_m[0][lane], pair.position_m[1][lane], pair.position_m[2][lane]},
-                  pair.status[lane],
-                  static_cast<int>(pair.iterations[lane]),
-                  pair.cost_m2[lane]};
-  return ends;
+// Without damping: the one descent, or where the sensors are exactly in one plane its mirror image.
+PointEstimate undamped_estimate(const RangeProblem& problem, const SensorPlane& plane, const Descent& descent,
+                                double range_sigma_m) {
+  if (!plane.exact) return estimate_of(problem, descent);
+  return estimate_of(problem,
+                     choose_minimum(problem, plane, descent, mirrored(plane, descent), range_sigma_m));
 }
 
-// Whether the sensors are flat enough for a minimum on the other side of their plane, and no descent found
-// it.
-bool other_side_unseen(const SensorPlane& plane, int sensors, const Descent& first, const Descent& second) {
-  const double here_m = plane.offset_m(first.position_m);
-  const double across_m = std::sqrt(plane.scatter_m2[0] / sensors);
-  return here_m * plane.offset_m(second.position_m) > 0.0 && across_m < kFlat * std::abs(here_m);
-}
-
-PointEstimate finished(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options,
-                       const Prepared& prepared, Descent first, Descent second) {
-  if (prepared.starts == 1 && !plane.exact) return estimate_of(problem, first);
-  if (plane.exact) second = mirrored(plane, first);
-  Descent third;
-  if (prepared.starts == 2 && other_side_unseen(plane, problem.count, first, second)) {
-    const Eigen::Vector3d image_m = plane.mirrored(first.position_m);
-    third = descend_pair(problem, options, {image_m, image_m})[0];
+// By vectors, for problems that all have the sensors of the first.
+void descend_together(std::span<const RangeProblem> problems, std::span<const std::size_t> members,
+                      const NonlinearOptions& options, std::span<Descent> descents) {
+  const RangeProblem& first = problems[members[0]];
+  const auto sensors = static_cast<std::size_t>(first.count);
+  RangeLanes lanes({first.sensor_m.data(), sensors}, members.size());
+  for (std::size_t lane = 0; lane < members.size(); ++lane) {
+    for (std::size_t i = 0; i < sensors; ++i) lanes.range_m.row(i)[lane] = problems[members[lane]].range_m[i];
+    lanes.position_m.set_position(lane, descents[members[lane]].position_m);
   }
-  Descent best = choose_minimum(problem, plane, first, second, options.range_sigma_m);
-  if (third.status != SolveStatus::not_solved)
-    best = choose_minimum(problem, plane, best, third, options.range_sigma_m);
-  return estimate_of(problem, best);
-}
-
-// Puts problem and start into one lane; sensors beyond its count weigh nothing.
-void fill_lane(DescentBatch& batch, std::size_t lane, const RangeProblem& problem,
-               const Eigen::Vector3d& start_m) {
-  for (int i = 0; i < batch.sensors; ++i) {
-    const int from = i < problem.count ? i : 0;
-    const auto row = static_cast<std::size_t>(i);
-    for (int axis = 0; axis < 3; ++axis)
-      batch.sensor_m.row(3 * row + static_cast<std::size_t>(axis))[lane] = problem.sensor_m[from][axis];
-    batch.range_m.row(row)[lane] = problem.range_m[from];
-    batch.weight.row(row)[lane] = i < problem.count ? 1.0 : 0.0;
+  descend(lanes, options);
+  for (std::size_t lane = 0; lane < members.size(); ++lane) {
+    Descent& descent = descents[members[lane]];
+    descent.position_m = lanes.position_m.position(lane);
+    descent.status = lanes.status[lane];
+    descent.iterations = static_cast<int>(lanes.iterations.row(0)[lane]);
+    descent.cost_m2 = linearise(problems[members[lane]], descent.position_m).cost_m2;
   }
-  for (int axis = 0; axis < 3; ++axis)
-    batch.position_m.row(static_cast<std::size_t>(axis))[lane] = start_m[axis];
 }
 
-Descent descent_in(const DescentBatch& batch, std::size_t lane) {
-  return {{batch.position_m.row(0)[lane], batch.position_m.row(1)[lane], batch.position_m.row(2)[lane]},
-          batch.status[lane],
-          static_cast<int>(batch.iterations.row(0)[lane]),
-          batch.cost_m2.row(0)[lane]};
-}
-
-// A problem of a block, and where its descents are: the second ones come after all first ones, because on the
-// wrong side of the sensors' plane they take longer and lanes wait for their neighbours.
-struct BlockEntry {
-  Prepared prepared;
-  std::size_t plane = 0, first_lane = 0, second_lane = 0;
-};
-
-struct Block {
-  std::vector<BlockEntry> entries;
-  std::vector<SensorPlane> planes;  // one for each change of the sensors
-  std::size_t lanes = 0;
-  int sensors = 1;
-};
-
-Block prepared_block(std::span<const RangeProblem> problems, const NonlinearOptions& options) {
-  Block block;
-  block.entries.resize(problems.size());
-  const RangeProblem* before = nullptr;
+void solve_undamped(std::span<const RangeProblem> problems, const NonlinearOptions& options,
+                    std::span<PointEstimate> estimates) {
+  std::vector<std::size_t> order;
   for (std::size_t p = 0; p < problems.size(); ++p) {
-    BlockEntry& entry = block.entries[p];
-    entry.prepared.refusal = refusal_of(problems[p]);
-    if (entry.prepared.refusal != SolveStatus::not_solved) continue;
-    if (!before || !same_sensors(problems[p], *before)) block.planes.push_back(plane_of(problems[p]));
-    before = &problems[p];
-    entry.plane = block.planes.size() - 1;
-    entry.prepared = prepared(problems[p], block.planes.back(), options);
-    if (entry.prepared.starts > 0) entry.first_lane = block.lanes++;
-    block.sensors = std::max(block.sensors, problems[p].count);
+    estimates[p] = failed_estimate(refusal_of(problems[p]));
+    if (estimates[p].status == SolveStatus::not_solved) order.push_back(p);
   }
-  for (BlockEntry& entry : block.entries)
-    if (entry.prepared.starts == 2) entry.second_lane = block.lanes++;
-  return block;
-}
-
-void solve_block(std::span<const RangeProblem> problems, const NonlinearOptions& options,
-                 std::span<PointEstimate> estimates) {
-  const Block block = prepared_block(problems, options);
-  DescentBatch batch(block.sensors, block.lanes, false);
-  for (std::size_t p = 0; p < problems.size(); ++p) {
-    const auto& [start, plane, first_lane, second_lane] = block.entries[p];
-    if (start.starts > 0) fill_lane(batch, first_lane, problems[p], start.start_m[0]);
-    if (start.starts == 2) fill_lane(batch, second_lane, problems[p], start.start_m[1]);
-  }
-  descend(batch, options);
-  for (std::size_t p = 0; p < problems.size(); ++p) {
-    const auto& [start, plane, first_lane, second_lane] = block.entries[p];
-    if (start.starts == 0) {
-      estimates[p] = failed_estimate(start.refusal);
-      continue;
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return sensors_before(problems[a], problems[b]); });
+  std::vector<Descent> descents(problems.size());
+  for (auto first = order.begin(); first != order.end();) {
+    const auto last = std::find_if(
+        first, order.end(), [&](std::size_t p) { return !same_sensors(problems[p], problems[*first]); });
+    const SensorPlane plane = plane_of(problems[*first]);
+    const std::span<const std::size_t> members{first, last};
+    const SolveStatus refusal = refusal_of(plane, options);
+    for (const std::size_t p : members) {
+      estimates[p].status = refusal;
+      if (refusal == SolveStatus::not_solved) descents[p].position_m = start_of(problems[p], plane, options);
     }
-    const Descent first = descent_in(batch, first_lane);
-    const Descent second = start.starts == 2 ? descent_in(batch, second_lane) : first;
-    estimates[p] = finished(problems[p], block.planes[plane], options, start, first, second);
+    first = last;
+    if (refusal != SolveStatus::not_solved) continue;
+    descend_together(problems, members, options, descents);
+    for (const std::size_t p : members)
+      estimates[p] = undamped_estimate(problems[p], plane, descents[p], options.range_sigma_m);
   }
+}
+
+// Of a problem that refusal_of() does not refuse; `plane` is its own.
+PointEstimate solve(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
+  const SolveStatus refusal = refusal_of(plane, options);
+  if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
+  const Vector3d start_m = start_of(problem, plane, options);
+  const auto descend_from = [&](const Vector3d& from_m) { return descend(problem, from_m, options); };
+  if (options.damping == Damping::none)
+    return undamped_estimate(problem, plane, descend_from(start_m), options.range_sigma_m);
+  return estimate_of(problem,
+                     descend_on_both_sides(problem, plane, start_m, options.range_sigma_m, descend_from));
 }
 
 }  // namespace
 
-Eigen::Vector3d wanted_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
-                               const Eigen::Vector3d& start_point_m, const LinearOptions& linear) {
+Vector3d wanted_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
+                        const Vector3d& start_point_m, const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
   if (start == Start::hint && problem.hint_m) return *problem.hint_m;
   if (start == Start::linear)
@@ -167,23 +108,24 @@ Eigen::Vector3d wanted_start_m(const RangeProblem& problem, const SensorPlane& p
 }
 
 PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options) {
-  TRILAT_CHECK(contradiction_in(options).empty(), "the settings of a descent fit together");
   const SolveStatus refusal = refusal_of(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
-  const SensorPlane plane = plane_of(problem);
-  const Prepared start = prepared(problem, plane, options);
-  if (start.starts == 0) return failed_estimate(start.refusal);
-  const auto ends =
-      descend_pair(problem, options, {start.start_m[0], start.start_m[start.starts == 2 ? 1 : 0]});
-  return finished(problem, plane, options, start, ends[0], ends[1]);
+  return solve(problem, plane_of(problem), options);
 }
 
 void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOptions& options,
                      std::span<PointEstimate> estimates) {
   TRILAT_CHECK(problems.size() == estimates.size(), "every problem has a slot");
-  for (std::size_t first = 0; first < problems.size(); first += kProblemsAtATime) {
-    const std::size_t size = std::min(kProblemsAtATime, problems.size() - first);
-    solve_block(problems.subspan(first, size), options, estimates.subspan(first, size));
+  if (options.damping == Damping::none) return solve_undamped(problems, options, estimates);
+  SensorPlane plane;
+  const RangeProblem* before = nullptr;  // whose plane that is
+  for (std::size_t p = 0; p < problems.size(); ++p) {
+    const SolveStatus refusal = refusal_of(problems[p]);
+    estimates[p] = failed_estimate(refusal);
+    if (refusal != SolveStatus::not_solved) continue;
+    if (!before || !same_sensors(problems[p], *before)) plane = plane_of(problems[p]);
+    before = &problems[p];
+    estimates[p] = solve(problems[p], plane, options);
   }
 }
 

@@ -24,16 +24,15 @@ struct NonlinearOptions : DescentOptions {
   Start start = Start::squared_ranges;
   Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
   LinearOptions linear;  // of the linear start
-  // Of a range whose weight is 1: on which side of the sensors' plane the joint is, ranges decide only where
-  // ranges_decide(), else the hint. 0: the lower cost wins, however little lower.
+  // Of a range: on which side of the sensors' plane the joint is, ranges decide only where ranges_decide(),
+  // else the hint. 0: the lower cost wins, however little lower.
   double range_sigma_m = kUsualRangeSigma_m;
 };
 
-// Minimises F = sum w (|x - s| - r)^2 (eq. 10) by Gauss-Newton or the full Hessian. With lm, starts that are
-// implausible are replaced as in safe_start(), the descent also goes down from the mirror image of its start
-// and, when the sensors are nearly in one plane and both ended on one side of it, of the minimum; the best
-// wins as in choose_minimum(); without damping there is one descent, as the paper prints it, and its mirror
-// image counts only when the sensors are exactly in one plane. Ends with
+// Minimises F = sum (|x - s| - r)^2 (eq. 10) by Gauss-Newton or the full Hessian. With lm, starts that are
+// implausible are replaced as in safe_start(), and the descent also goes down from the mirror image of its
+// start; the best wins as in choose_minimum(). Without damping there is one descent, as the paper prints it,
+// and its mirror image counts only when the sensors are exactly in one plane. Ends with
 //   converged        the stop rule held
 //   rank_deficient   sensors on one line; or is_rank_deficient() at the end or, without damping, at
 //                    any iterate: a joint in the plane of the sensors is such a case
@@ -41,8 +40,8 @@ struct NonlinearOptions : DescentOptions {
 // InternalError when contradiction_in(options).
 [[nodiscard]] PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options);
 
-// The same for many problems by vectors, with the same bits as one at a time. `estimates` has one slot a
-// problem. Fastest when problems with the same sensors follow each other.
+// The same for many problems, with the same bits; undamped descents go by vectors. `estimates` has one slot a
+// problem.
 void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOptions& options,
                      std::span<PointEstimate> estimates);
 

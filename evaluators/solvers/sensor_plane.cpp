@@ -6,7 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/squared_ranges.h"
 
 namespace trilat {
 namespace {
@@ -49,6 +49,14 @@ bool same_sensors(const RangeProblem& a, const RangeProblem& b) {
          std::equal(a.sensor_m.begin(), a.sensor_m.begin() + a.count, b.sensor_m.begin());
 }
 
+bool sensors_before(const RangeProblem& a, const RangeProblem& b) {
+  if (a.count != b.count) return a.count < b.count;
+  for (int i = 0; i < a.count; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (a.sensor_m[i][axis] != b.sensor_m[i][axis]) return a.sensor_m[i][axis] < b.sensor_m[i][axis];
+  return false;
+}
+
 namespace {
 
 constexpr double kFarthestStart = 2.0;     // of mean range and spread
@@ -64,9 +72,8 @@ double residual_rms_m(const RangeProblem& problem, double cost_m2) {
 // minimum apart.
 bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
                     const Eigen::Vector3d& other_m) {
-  const PackedRanges ranges = packed(problem);
   const auto cost_m2 = [&](double share) {
-    return linearise(ranges, one_m + share * (other_m - one_m)).cost_m2;
+    return linearise(problem, one_m + share * (other_m - one_m)).cost_m2;
   };
   const double ends_m2 = std::max(cost_m2(0.0), cost_m2(1.0));
   for (int k = 1; k < kBetween; ++k)
@@ -119,16 +126,6 @@ Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, co
   }
   chosen.iterations = iterations;
   return chosen;
-}
-
-PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent) {
-  PointEstimate failure = failed_estimate(descent.status);
-  failure.iterations = descent.iterations;
-  if (descent.status == SolveStatus::diverged) return failure;
-  PointEstimate result = estimate_at(problem, descent.position_m, descent.status, descent.iterations);
-  if (!std::isfinite(result.gdop) && result.status != SolveStatus::iteration_limit)
-    result.status = SolveStatus::rank_deficient;
-  return result;
 }
 
 }  // namespace trilat

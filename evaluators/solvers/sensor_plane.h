@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "evaluators/solvers/point_estimate.h"
+#include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/range_problem.h"
 
 namespace trilat {
@@ -34,6 +34,8 @@ SensorPlane plane_of(const RangeProblem& problem);
 
 // Whether both problems have the same sensors in the same order, and so the same plane.
 bool same_sensors(const RangeProblem& a, const RangeProblem& b);
+// An order of problems by their sensors, in which those with the same follow each other.
+bool sensors_before(const RangeProblem& a, const RangeProblem& b);
 
 // Standard deviation of a range whose weight is 1, where nothing better is known: joints of a Kinect v2 are 5
 // to 10 cm off in all (Wang et al. 2015, arXiv 1512.04134), which is 3 to 6 cm along a ray.
@@ -61,14 +63,6 @@ inline MirrorChoice choose_mirror(const Eigen::Vector3d& first_m, const Eigen::V
   const double to_second_m = (*hint_m - second_m).norm();
   return {to_first_m <= to_second_m, to_first_m < 0.5 * to_second_m || to_second_m < 0.5 * to_first_m};
 }
-
-// Where one descent from one start has ended: converged, iteration_limit, rank_deficient or diverged.
-struct Descent {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
-  SolveStatus status = SolveStatus::not_solved;
-  int iterations = 0;
-  double cost_m2 = kNaN;
-};
 
 // Minima nearer than this are one.
 inline constexpr double kSameMinimum_m = 1e-6;
@@ -101,8 +95,5 @@ Descent descend_on_both_sides(const RangeProblem& problem, const SensorPlane& pl
   const Descent second = plane.exact ? mirrored(plane, first) : descend(plane.mirrored(start_m));
   return choose_minimum(problem, plane, first, second, range_sigma_m);
 }
-
-// The chosen minimum with its geometry; rank_deficient when the directions do not span space there.
-[[nodiscard]] PointEstimate estimate_of(const RangeProblem& problem, const Descent& descent);
 
 }  // namespace trilat

@@ -15,7 +15,7 @@
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_run.h"
-#include "pipeline/sweep/sweep_block.h"
+#include "pipeline/sweep/sweep_cell.h"
 #include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {
@@ -30,23 +30,19 @@ double us_since(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-SweepCellSolver solver_at(const SweepSpec& spec, std::size_t cell) {
-  return solver_of(trials_of(spec, spec.cells[cell]));
-}
-
 // Microseconds a solve of the first problems of a cell, one after the other, each with its start.
 double scalar_us(const SweepSpec& spec, std::size_t cell) {
-  const SweepCellSolver solver = solver_at(spec, cell);
-  SweepBlock block(solver.model.sensors);
+  const SweepTrials trials = trials_of(spec, spec.cells[cell]);
+  SweepBlock block(trials);
   std::vector<PointEstimate> estimates(kBlockTrials);
   double us = 0.0;
   for (std::uint64_t first = 0; first < spec.time_problems; first += kBlockTrials) {
     const std::uint64_t left = spec.time_problems - first;
-    block.make_trials(solver, first, static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, left)));
-    const auto problems = block.problems(solver);
+    block.make_trials(first, static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, left)));
+    const auto problems = block.problems();
     const auto start = Clock::now();
     for (std::size_t i = 0; i < problems.size(); ++i)
-      estimates[i] = solve_nonlinear(problems[i], solver.options);
+      estimates[i] = solve_nonlinear(problems[i], trials.options);
     us += us_since(start);
   }
   return us / static_cast<double>(spec.time_problems);
@@ -98,16 +94,15 @@ struct Chunk {
 };
 
 Chunk solve_chunk(const SweepSpec& spec, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
-  const SweepCellSolver solver = solver_at(spec, cell);
-  SweepBlock block(solver.model.sensors);
+  SweepBlock block(trials_of(spec, spec.cells[cell]));
   const std::uint64_t end = std::min((chunk + 1) * kChunkTrials, spec.trials);
   Chunk solved;
   for (std::uint64_t trial = chunk * kChunkTrials; trial < end; trial += kBlockTrials) {
     watch.check();
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, end - trial));
     const auto start = Clock::now();
-    block.make_trials(solver, trial, count);
-    block.solve_into(solver, solved.sums);
+    block.make_trials(trial, count);
+    block.solve_into(solved.sums);
     solved.us += us_since(start);
   }
   return solved;

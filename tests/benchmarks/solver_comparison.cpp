@@ -4,7 +4,8 @@
 // the loosest tolerance with which it is fastest and reaches the accuracy for every problem. Solvers that
 // only take steps which lower the cost end about root(rounding of F / curvature) from the minimum, a few
 // nanometres here: hence a table for 1 nm and one for 10 nm. Batched, ranges and starts lie in rows already
-// and the answers stay in rows; copying the starts is counted. Nothing is compiled for a newer processor than
+// and the answers stay in rows; copying the starts is counted. A last table has the undamped settings of
+// sweeps. Nothing is compiled for a newer processor than
 // x86-64 but our kernel, which chooses at run time.
 #include <algorithm>
 #include <array>
@@ -23,6 +24,7 @@
 
 #include "evaluators/solvers/linear.h"
 #include "evaluators/solvers/nonlinear.h"
+#include "evaluators/solvers/range_lanes.h"
 #include "tests/evaluators/range_problems.h"
 
 namespace trilat {
@@ -194,6 +196,21 @@ constexpr Kind kUndamped{"Gauss-Newton", Damping::none, Curvature::gauss_newton}
 constexpr Kind kDamped{"lm Gauss-Newton", Damping::lm, Curvature::gauss_newton};
 constexpr Kind kNewton{"lm newton", Damping::lm, Curvature::newton};
 
+// Undamped settings as a sweep over C uses them: long descents with the printed gradient, short ones
+// without. C in m2; no accuracy is asked.
+struct SweptSetting {
+  const char* name;
+  Gradient gradient;
+  StopRule stop;
+  double threshold_m2;
+};
+constexpr SweptSetting kSwept[] = {
+    {"printed gradient, |change of F| < 1e-4 cm2", Gradient::printed, StopRule::objective, 1e-8},
+    {"printed gradient, |change of F| < 1e-6 cm2", Gradient::printed, StopRule::objective, 1e-10},
+    {"as printed, C = 1e-4 cm2", Gradient::printed, StopRule::printed, 1e-8},
+    {"corrected gradient, |change of F| < 1e-4 cm2", Gradient::corrected, StopRule::objective, 1e-8},
+};
+
 NonlinearOptions options_of(const Kind& kind, Tolerance tolerance) {
   NonlinearOptions options;
   options.damping = kind.damping;
@@ -204,17 +221,13 @@ NonlinearOptions options_of(const Kind& kind, Tolerance tolerance) {
   return options;
 }
 
-// One problem a call: both lanes of the pair hold it, and one of them is thrown away.
 template <const Kind& kind>
 struct OneDescent {
   NonlinearOptions options;
-  DescentPair pair;
 
   explicit OneDescent(Tolerance tolerance) : options(options_of(kind, tolerance)) {}
   void operator()(const RangeProblem& problem, Vector3d& x_m) {
-    for (std::size_t lane = 0; lane < kPairLanes; ++lane) pair.set_lane(lane, problem, x_m);
-    descend(pair, options);
-    x_m = {pair.position_m[0][0], pair.position_m[1][0], pair.position_m[2][0]};
+    x_m = descend(problem, x_m, options).position_m;
   }
 };
 
@@ -240,29 +253,31 @@ Contestant whole_span() {
           }};
 }
 
-Contestant batched(const Kind& kind, std::int64_t target) {
-  constexpr int kRounds = 20;
-  auto batch = std::make_shared<DescentBatch>(4, kProblems, true);
-  auto start_m = std::make_shared<LaneRows>(3, kProblems);
-  const auto& all = problems();
-  for (std::size_t row = 0; row < 12; ++row)
-    batch->sensor_m.row(row)[0] = all.problem[0].sensor_m[row / 3][static_cast<Eigen::Index>(row % 3)];
-  for (std::size_t lane = 0; lane < kProblems; ++lane) {
-    for (std::size_t i = 0; i < 4; ++i) batch->range_m.row(i)[lane] = all.problem[lane].range_m[i];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      start_m->row(axis)[lane] = all.start_m[lane][static_cast<Eigen::Index>(axis)];
-  }
-  const auto solve_all = [=](Tolerance tolerance, Positions& positions_m) {
-    const NonlinearOptions options = options_of(kind, tolerance);
-    for (int round = 0; round < kRounds; ++round) {
-      std::copy_n(start_m->row(0), 3 * start_m->stride(), batch->position_m.row(0));
-      descend(*batch, options);
+// The problems in rows, with their starts.
+struct Rows {
+  RangeLanes lanes{{problems().problem[0].sensor_m.data(), 4}, kProblems};
+  LaneRows start_m{3, kProblems};
+
+  Rows() {
+    for (std::size_t lane = 0; lane < kProblems; ++lane) {
+      for (std::size_t i = 0; i < 4; ++i) lanes.range_m.row(i)[lane] = problems().problem[lane].range_m[i];
+      start_m.set_position(lane, problems().start_m[lane]);
     }
+  }
+  void solve(const DescentOptions& options) {
+    std::copy_n(start_m.row(0), 3 * start_m.stride(), lanes.position_m.row(0));
+    descend(lanes, options);
+  }
+};
+
+Contestant batched(std::int64_t target) {
+  constexpr int kRounds = 20;
+  const auto solve_all = [rows = std::make_shared<Rows>()](Tolerance tolerance, Positions& positions_m) {
+    for (int round = 0; round < kRounds; ++round) rows->solve(options_of(kUndamped, tolerance));
     for (std::size_t lane = 0; lane < kProblems; ++lane)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        positions_m[lane][static_cast<Eigen::Index>(axis)] = batch->position_m.row(axis)[lane];
+      positions_m[lane] = rows->lanes.position_m.position(lane);
   };
-  return {fmt::format("trilat batched {}, {}", kind.name, hwy::TargetName(target)), kOwnRules, solve_all,
+  return {fmt::format("trilat batched {}, {}", kUndamped.name, hwy::TargetName(target)), kOwnRules, solve_all,
           target, kRounds};
 }
 
@@ -273,11 +288,11 @@ std::vector<Contestant> contestants() {
       one_at_a_time<Tiny>("ceres::TinySolver", kCeresRules),
       one_at_a_time<OneDescent<kUndamped>>("trilat one at a time, Gauss-Newton", kOwnRules),
       one_at_a_time<OneDescent<kDamped>>("trilat one at a time, lm Gauss-Newton", kOwnRules),
+      one_at_a_time<OneDescent<kNewton>>("trilat one at a time, lm newton", kOwnRules),
       one_at_a_time<WholeSolve>("trilat solve_nonlinear, given start, both sides, GDOP", kOwnRules),
       whole_span()};
   for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3})
-    for (const Kind& kind : {kUndamped, kDamped, kNewton})
-      if (hwy::SupportedTargets() & target) all.push_back(batched(kind, target));
+    if (hwy::SupportedTargets() & target) all.push_back(batched(target));
   return all;
 }
 
@@ -349,6 +364,38 @@ void compare(double wanted_m) {
                entries[2].lowest_ns / e.lowest_ns);
 }
 
+double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// The vector kernel beside the scalar descent, by the settings of sweeps.
+void compare_swept() {
+  fmt::print("\n| setting | steps | scalar, ns a solve | by vectors | ratio |\n|---|---:|---:|---:|---:|\n");
+  Rows rows;
+  for (const SweptSetting& setting : kSwept) {
+    DescentOptions options;
+    options.gradient = setting.gradient;
+    options.damping = Damping::none;
+    options.stop = setting.stop;
+    options.threshold_m2 = setting.threshold_m2;
+    options.max_iterations = 20'000;
+    double scalar_s = 1e300, vector_s = 1e300, steps = 0.0;
+    for (int repetition = 0; repetition < 5; ++repetition) {
+      const int rounds = steps > 0.0 && steps < 50.0 * kProblems ? 100 : 1;
+      steps = 0.0;
+      double start_s = cpu_s();
+      for (int round = 0; round < rounds; ++round)
+        for (std::size_t i = 0; i < kProblems; ++i)
+          steps += descend(problems().problem[i], problems().start_m[i], options).iterations;
+      steps /= rounds;
+      scalar_s = std::min(scalar_s, (cpu_s() - start_s) / rounds);
+      start_s = cpu_s();
+      for (int round = 0; round < rounds; ++round) rows.solve(options);
+      vector_s = std::min(vector_s, (cpu_s() - start_s) / rounds);
+    }
+    fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", setting.name, steps / kProblems,
+               1e9 * scalar_s / kProblems, 1e9 * vector_s / kProblems, scalar_s / vector_s);
+  }
+}
+
 }  // namespace
 }  // namespace trilat
 
@@ -359,4 +406,5 @@ int main() {
       "repetitions in turn, time of the processor\n",
       kProblems, 100.0 * kRangeNoise_m, kRepetitions);
   for (const double wanted_m : {1e-9, 1e-8}) compare(wanted_m);
+  compare_swept();
 }

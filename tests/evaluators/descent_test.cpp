@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The vector kernel: the same bits by every instruction set, every width and every way in, and what its
-// settings promise.
+// One descent, and many by vectors: the same bits by every instruction set, every width and every way in, and
+// what the settings promise.
 #include "evaluators/solvers/descent.h"
 
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <hwy/targets.h>
 
 #include "datasets/base/error.h"
 #include "evaluators/solvers/nonlinear.h"
+#include "evaluators/solvers/range_lanes.h"
 #include "tests/evaluators/range_problems.h"
 
 namespace trilat {
@@ -44,6 +46,12 @@ std::vector<Setting> settings() {
           {"newton", with(corrected, Damping::lm, StopRule::step, newton)}};
 }
 
+std::vector<Setting> undamped_settings() {
+  std::vector<Setting> undamped = settings();
+  std::erase_if(undamped, [](const Setting& s) { return s.options.damping != Damping::none; });
+  return undamped;
+}
+
 // Three to eight sensors, level, nearly level or not, errors up to 30 cm,
 // and some that are refused.
 RangeProblem mixed_problem(std::uint32_t item) {
@@ -64,6 +72,24 @@ RangeProblem mixed_problem(std::uint32_t item) {
   return problem;
 }
 
+// Problems of one rig, whose ranges are 10 cm too long and too short in turn.
+std::vector<RangeProblem> sharing_a_rig(int sensors, std::size_t count) {
+  RangeProblem rig;
+  rig.count = sensors;
+  for (int k = 0; k < sensors; ++k) {
+    const double angle = 6.283 * k / sensors;
+    rig.sensor_m[k] = {2 * std::cos(angle), k % 2 == 0 ? 0.3 : 2.3, 2 * std::sin(angle)};
+  }
+  std::vector<RangeProblem> problems;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    RangeProblem& problem = problems.emplace_back(rig);
+    const Vector3d truth_m = random_joint_m({29, Purpose::test, 0}, i);
+    for (int k = 0; k < sensors; ++k)
+      problem.range_m[k] = std::max(0.0, (truth_m - problem.sensor_m[k]).norm() + (k % 2 == 0 ? 0.1 : -0.1));
+  }
+  return problems;
+}
+
 std::vector<RangeProblem> mixed_problems(std::uint32_t count) {
   std::vector<RangeProblem> problems;
   for (std::uint32_t i = 0; i < count; ++i) problems.push_back(mixed_problem(i));
@@ -71,13 +97,15 @@ std::vector<RangeProblem> mixed_problems(std::uint32_t count) {
 }
 
 // Equal bits, where two NaN count as equal.
+bool is_same_number(double x, double y) {
+  return std::memcmp(&x, &y, sizeof x) == 0 || (std::isnan(x) && std::isnan(y));
+}
+
 bool same(const PointEstimate& a, const PointEstimate& b) {
-  const auto equal = [](double x, double y) {
-    return std::memcmp(&x, &y, sizeof x) == 0 || (x != x && y != y);
-  };
-  bool result = a.status == b.status && a.iterations == b.iterations && equal(a.cost_m2, b.cost_m2) &&
-                equal(a.gdop, b.gdop);
-  for (int axis = 0; axis < 3; ++axis) result = result && equal(a.position_m[axis], b.position_m[axis]);
+  bool result = a.status == b.status && a.iterations == b.iterations &&
+                is_same_number(a.cost_m2, b.cost_m2) && is_same_number(a.gdop, b.gdop);
+  for (int axis = 0; axis < 3; ++axis)
+    result = result && is_same_number(a.position_m[axis], b.position_m[axis]);
   return result;
 }
 
@@ -98,6 +126,10 @@ class OnlyTarget {
 
 class EverySetting : public testing::TestWithParam<Setting> {};
 INSTANTIATE_TEST_SUITE_P(Descent, EverySetting, testing::ValuesIn(settings()),
+                         [](const auto& setting) { return std::string(setting.param.name); });
+
+class EveryUndampedSetting : public testing::TestWithParam<Setting> {};
+INSTANTIATE_TEST_SUITE_P(Descent, EveryUndampedSetting, testing::ValuesIn(undamped_settings()),
                          [](const auto& setting) { return std::string(setting.param.name); });
 
 TEST_P(EverySetting, ManyProblemsGiveTheBitsOfOneAtATime) {
@@ -132,20 +164,6 @@ TEST_P(EverySetting, EveryInstructionSetGivesTheSameBits) {
   if (targets < 2) GTEST_SKIP() << "this processor has one instruction set only";
 }
 
-DescentBatch filled_batch(const std::vector<RangeProblem>& problems, bool one_rig) {
-  DescentBatch batch(4, problems.size(), one_rig);
-  for (std::size_t lane = 0; lane < problems.size(); ++lane) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      batch.range_m.row(i)[lane] = problems[lane].range_m[i];
-      for (int axis = 0; axis < 3; ++axis)
-        batch.sensor_m.row(3 * i + static_cast<std::size_t>(axis))[one_rig ? 0 : lane] =
-            problems[lane].sensor_m[i][axis];
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) batch.position_m.row(axis)[lane] = axis == 1 ? 1.2 : 0.1;
-  }
-  return batch;
-}
-
 std::vector<RangeProblem> ring_problems(std::size_t count) {
   std::vector<RangeProblem> problems;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -155,26 +173,51 @@ std::vector<RangeProblem> ring_problems(std::size_t count) {
   return problems;
 }
 
-TEST(DescentBatch, ASensorOfWeightZeroIsNotThere) {
-  const std::vector<RangeProblem> problems = ring_problems(8);
-  DescentBatch batch = filled_batch(problems, true);
-  for (std::size_t lane = 0; lane < 8; ++lane) batch.weight.row(lane % 4)[lane] = 0.0;
-  descend(batch, {});
-  for (std::size_t lane = 0; lane < 8; ++lane) {
-    RangeProblem three;
-    three.count = 3;
-    for (int i = 0, k = 0; i < 4; ++i) {
-      if (i == static_cast<int>(lane % 4)) continue;
-      three.sensor_m[k] = problems[lane].sensor_m[i];
-      three.range_m[k++] = problems[lane].range_m[i];
+Descent lane_of(const RangeLanes& lanes, std::size_t lane) {
+  return {lanes.position_m.position(lane), lanes.status[lane],
+          static_cast<int>(lanes.iterations.row(0)[lane]), kNaN};
+}
+
+// Lanes that end take other problems, or wait; ends of all kinds, one after the other and beside each other.
+TEST_P(EveryUndampedSetting, EachLaneEndsAsTheScalarDescent) {
+  NonlinearOptions options = GetParam().options;
+  std::map<SolveStatus, int> seen;
+  for (const int sensors : {3, 4, 5, 8}) {
+    for (const std::size_t count : {1u, 7u, 8u, 61u}) {
+      options.max_iterations = count == 61 ? 200 : 3000;
+      std::vector<RangeProblem> problems = sharing_a_rig(sensors, count);
+      if (count == 61) problems[17].range_m[1] = kNaN;
+      RangeLanes lanes({problems[0].sensor_m.data(), static_cast<std::size_t>(sensors)}, count);
+      std::vector<Vector3d> start_m;
+      for (std::size_t lane = 0; lane < count; ++lane) {
+        const RandomStream random{31, Purpose::test, static_cast<std::uint32_t>(lane)};
+        const double far = lane % 9 == 4 ? 1e160 : 1.0;  // whose square is infinite
+        start_m.push_back(far * random_joint_m({29, Purpose::test, 0}, static_cast<std::uint32_t>(lane)));
+        start_m.back().x() += random.uniform(0, 0.0, 0.05);
+        if (lane % 11 == 3) start_m.back() = problems[0].sensor_m[0] + Vector3d(0.5, 0.0, 0.5);
+        lanes.position_m.set_position(lane, start_m.back());
+        for (std::size_t i = 0; i < static_cast<std::size_t>(sensors); ++i)
+          lanes.range_m.row(i)[lane] = problems[lane].range_m[i];
+      }
+      descend(lanes, options);
+      for (std::size_t lane = 0; lane < count; ++lane) {
+        const Descent expected = descend(problems[lane], start_m[lane], options);
+        const Descent found = lane_of(lanes, lane);
+        ASSERT_EQ(found.status, expected.status) << sensors << " sensors, lane " << lane << " of " << count;
+        ASSERT_EQ(found.iterations, expected.iterations) << sensors << " sensors, lane " << lane;
+        for (int axis = 0; axis < 3; ++axis)
+          ASSERT_TRUE(is_same_number(found.position_m[axis], expected.position_m[axis])) << lane;
+        ++seen[found.status];
+      }
     }
-    NonlinearOptions options;
-    three.hint_m =
-        Vector3d(batch.position_m.row(0)[lane], batch.position_m.row(1)[lane], batch.position_m.row(2)[lane]);
-    const PointEstimate estimate = solve_nonlinear(three, options);
-    ASSERT_EQ(estimate.status, SolveStatus::converged);
-    EXPECT_LT((estimate.position_m - *three.hint_m).norm(), 1e-8);
   }
+  EXPECT_GT(seen[SolveStatus::converged], 20);
+  EXPECT_GT(seen[SolveStatus::diverged], 20);
+}
+
+TEST(RangeLanes, RefuseDamping) {
+  RangeLanes lanes(std::vector<Vector3d>(4, Vector3d::Zero()), 1);
+  EXPECT_THROW(descend(lanes, {}), InternalError);
 }
 
 TEST(Newton, EndsWhereGaussNewtonEndsInFewerSteps) {

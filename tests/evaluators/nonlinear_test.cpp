@@ -8,7 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/ceres/ceres_trilateration.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/sensor_plane.h"
 #include "tests/evaluators/flat_rigs.h"
 #include "tests/evaluators/range_problems.h"
@@ -38,12 +38,11 @@ TEST(RangeEquations, GradientIsTheDifferenceQuotientOfTheCost) {
   RangeProblem problem = noisy_problem(0, 0.1);
   for (const int count : {3, 4}) {
     problem.count = count;
-    const PackedRanges ranges = packed(problem);
     const Vector3d x(0.3, 1.1, -0.4);
-    const RangeEquations at_x = linearise(ranges, x);
+    const RangeEquations at_x = linearise(problem, x);
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d h = 1e-5 * Vector3d::Unit(axis);
-      const double slope = (linearise(ranges, x + h).cost_m2 - linearise(ranges, x - h).cost_m2) / 2e-5;
+      const double slope = (linearise(problem, x + h).cost_m2 - linearise(problem, x - h).cost_m2) / 2e-5;
       EXPECT_NEAR(2.0 * at_x.gradient[axis], slope, 1e-8);
     }
   }
@@ -61,7 +60,7 @@ TEST(RangeEquations, NormalMatrixIsJtWJOfTheDifferenceQuotients) {
     }
     expected += row * row.transpose();
   }
-  EXPECT_LT((linearise(packed(problem), x).normal.matrix() - expected).norm(), 1e-8);
+  EXPECT_LT((linearise(problem, x).matrix.matrix() - expected).norm(), 1e-8);
 }
 
 // Directions along the axes make J^T J the identity, so the one step is the gradient itself.

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "evaluators/solvers/nonlinear.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 #include "tests/evaluators/range_problems.h"
 
 namespace trilat {

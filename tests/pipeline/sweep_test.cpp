@@ -7,7 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/timings.h"
-#include "pipeline/sweep/sweep_block.h"
+#include "pipeline/sweep/sweep_cell.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "pipeline/sweep/sweep_summary.h"
 #include "tests/pipeline/swept_folders.h"
@@ -135,15 +135,14 @@ TEST(LinearStart, IsLinearTrilateration) {
     for (int i = 0; i < problem.count; ++i)
       problem.sensor_m[i] = Eigen::Vector3d(model.sensor_m[i][0], model.sensor_m[i][1], model.sensor_m[i][2]);
     const LinearStart start = linear_start(problem);
-    std::vector<double> truth_m(3 * 64), range_m(8 * 64), position_m(3 * 64);
-    make_range_trials(model, 0, 64, {64, truth_m.data(), range_m.data()});
-    start.positions(problem.count, 64, 64, range_m.data(), position_m.data());
+    LaneRows truth_m(3, 64), range_m(8, 64), position_m(3, 64);
+    make_range_trials(model, 0, 64, {truth_m.stride(), truth_m.row(0), range_m.row(0)});
+    start.positions(problem.count, 64, range_m, position_m);
     for (std::size_t i = 0; i < 64; ++i) {
       for (std::size_t s = 0; s < static_cast<std::size_t>(problem.count); ++s)
-        problem.range_m[s] = range_m[s * 64 + i];
+        problem.range_m[s] = range_m.row(s)[i];
       const Eigen::Vector3d expected_m = solve_linear(problem, {}).position_m;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        EXPECT_NEAR(position_m[axis * 64 + i], expected_m[static_cast<int>(axis)], 1e-9);
+      EXPECT_LT((position_m.position(i) - expected_m).cwiseAbs().maxCoeff(), 1e-9);
     }
   }
 }
@@ -169,19 +168,28 @@ TEST(Sweep, EveryTrialIsOneOfItsCell) {
 }
 
 TEST(SweepSums, FollowFromTheTrialsByPencil) {
-  const double truth_m[6] = {}, position_m[6] = {3.0, 1.0, 0.0, 2.0, -4.0, 2.0}, iterations[2] = {2, 4};
-  const SolveStatus status[2] = {SolveStatus::converged, SolveStatus::converged};
-  SweepSums sums;
-  sums.add_outcomes({2, 2, truth_m, position_m, iterations, status});
+  const Eigen::Vector3d truth_m(1.0, 0.0, 0.0);
+  SweepSums first, sums;
+  for (SweepSums* s : {&first, &sums}) s->add_start({1.0, 2.0, 0.0}, truth_m);
+  first.add_start({kNaN, 0.0, 0.0}, truth_m);
+  first.add({4.0, 0.0, -4.0}, SolveStatus::converged, 2, truth_m);
+  sums.add({2.0, 2.0, 2.0}, SolveStatus::converged, 4, truth_m);
+  sums.add({9.0, 9.0, 9.0}, SolveStatus::iteration_limit, 9, truth_m);
+  sums.add(first);
   const SweepCell cell = cell_of(sums);
+  EXPECT_EQ(cell.start_mae_m, 2.0);
+  EXPECT_EQ(cell.asked, 3u);
+  EXPECT_EQ(cell.answered, 2u);
+  EXPECT_EQ(cell.statuses, (std::map<std::string, std::uint64_t>{{"converged", 2}, {"iteration_limit", 1}}));
   EXPECT_EQ(cell.mae_m, 4.0);  // 5 and 3
   EXPECT_EQ(cell.axis_mae_m, (std::array<double, 3>{2.0, 1.0, 3.0}));
   EXPECT_EQ(cell.axis_mean_mae_m(), 2.0);
   EXPECT_DOUBLE_EQ(cell.rmse_m, std::sqrt(17.0));
   EXPECT_DOUBLE_EQ(cell.mae_standard_error_m, 1.0);  // sqrt(2) / sqrt(2)
   EXPECT_EQ(cell.max_m, 5.0);
-  EXPECT_EQ(cell.mean_iterations, 3.0);
-  EXPECT_EQ(cell.p50_iterations, 2.0);
+  EXPECT_EQ(cell.mean_iterations, 5.0);
+  EXPECT_EQ(cell.p50_iterations, 4.0);
+  EXPECT_EQ(cell.max_iterations, 9.0);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "datasets/synthetic/depth/joint_visibility.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/descent.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/errors/condition_errors.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/solvers/range_equations.h"
+#include "evaluators/solvers/squared_ranges.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace trilat {
 namespace {
@@ -40,37 +39,6 @@ double root_of(const Secular& phi, double guess) {
 }
 
 }  // namespace
-
-PackedRanges packed(const RangeProblem& problem) {
-  PackedRanges result;
-  result.pairs = (problem.count + 1) / 2;
-  for (int i = 0; i < 2 * result.pairs; ++i) {
-    const int from = i < problem.count ? i : 0;
-    result.x_m[i / 2][i % 2] = problem.sensor_m[from].x();
-    result.y_m[i / 2][i % 2] = problem.sensor_m[from].y();
-    result.z_m[i / 2][i % 2] = problem.sensor_m[from].z();
-    result.range_m[i / 2][i % 2] = problem.range_m[from];
-    result.weight[i / 2][i % 2] = i < problem.count ? 1.0 : 0.0;
-  }
-  return result;
-}
-
-PointEstimate estimate_at(const RangeProblem& problem, const Eigen::Vector3d& x_m, SolveStatus status,
-                          int iterations) {
-  PointEstimate result;
-  result.position_m = x_m;
-  result.status = status;
-  result.iterations = iterations;
-  const RangeEquations equations = linearise(packed(problem), x_m);
-  result.cost_m2 = equations.cost_m2;
-  const Symmetric3 adjugate = equations.normal.adjugate();
-  const double determinant = equations.normal.determinant(adjugate);
-  result.gdop = std::numeric_limits<double>::infinity();
-  if (is_rank_deficient(equations.normal, adjugate, determinant)) return result;
-  result.gdop = std::sqrt(adjugate.trace() / determinant);
-  result.covariance = adjugate.matrix() / determinant;
-  return result;
-}
 
 Eigen::Vector3d squared_range_position_m(const RangeProblem& problem, const SensorPlane& plane) {
   const double n = problem.count;

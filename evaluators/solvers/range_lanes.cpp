@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+// One source, compiled once for each instruction set. Additions and products are written out and never fused,
+// and nothing is summed across lanes: so every set and every width gives the bits of descent.cpp.
+#include "evaluators/solvers/range_lanes.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include "datasets/base/error.h"
+
+// SSE2 is there on every x86-64; these bring nothing beyond SSE4 and AVX-512 here.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "evaluators/solvers/range_lanes.cpp"
+#include <hwy/foreach_target.h>
+//
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace trilat {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<double>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+
+// RangeEquations in each lane, without the grain.
+struct LaneEquations {
+  V xx, xy, xz, yy, yz, zz;  // J^T J
+  V gx, gy, gz;              // gradient
+  V cost;
+};
+
+// The problems in work, one a lane.
+struct Work {
+  alignas(64) double range_m[kMaxSensors][kLaneBlock];
+  alignas(64) double x_m[3][kLaneBlock];
+  alignas(64) double before_m2[kLaneBlock];  // F before the last step; -infinity before the first
+  alignas(64) double step2_m2[kLaneBlock];   // square of the last step; infinity before the first
+  alignas(64) double steps[kLaneBlock], status[kLaneBlock];
+  std::size_t problem[kLaneBlock];
+
+  void begin(std::size_t lane, std::size_t number, const RangeLanes& lanes) {
+    problem[lane] = number;
+    for (std::size_t i = 0; i < lanes.sensor_m.size(); ++i) range_m[i][lane] = lanes.range_m.row(i)[number];
+    for (std::size_t axis = 0; axis < 3; ++axis) x_m[axis][lane] = lanes.position_m.row(axis)[number];
+    step2_m2[lane] = std::numeric_limits<double>::infinity();
+    before_m2[lane] = -step2_m2[lane];
+    steps[lane] = 0.0;
+  }
+  void finish(std::size_t lane, RangeLanes& lanes) const {
+    const std::size_t number = problem[lane];
+    for (std::size_t axis = 0; axis < 3; ++axis) lanes.position_m.row(axis)[number] = x_m[axis][lane];
+    lanes.iterations.row(0)[number] = steps[lane];
+    lanes.status[number] = static_cast<SolveStatus>(static_cast<int>(status[lane]));
+  }
+};
+
+// `known_sensors` is their number when the loop over them is written out, else 0.
+template <bool printed, int known_sensors>
+HWY_INLINE LaneEquations Linearise(const RangeLanes& lanes, const Work& work, V x, V y, V z, double unit_m) {
+  const D d;
+  const V zero = hn::Zero(d), unit = hn::Set(d, unit_m), one = hn::Set(d, 1.0);
+  const V least = hn::Set(d, kOnSensor_m * kOnSensor_m);
+  const std::size_t sensors = known_sensors > 0 ? known_sensors : lanes.sensor_m.size();
+  // The sums are made in a second loop: one loop for all would need more registers than there are.
+  V vx[kMaxSensors], vy[kMaxSensors], vz[kMaxSensors], q[kMaxSensors], slope[kMaxSensors];
+  LaneEquations sum{zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
+  for (std::size_t i = 0; i < sensors; ++i) {
+    const Eigen::Vector3d& sensor_m = lanes.sensor_m[i];
+    vx[i] = x - hn::Set(d, sensor_m.x());
+    vy[i] = y - hn::Set(d, sensor_m.y());
+    vz[i] = z - hn::Set(d, sensor_m.z());
+    const V square = vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i];
+    const V distance = hn::Sqrt(square);
+    const V f = distance - hn::Load(d, work.range_m[i]);
+    // The quotient does not wait for the root, which shortens the chain of each iteration.
+    q[i] = one / hn::Max(square, least);
+    slope[i] = q[i] * ((printed ? unit : distance) * f);
+    sum.cost = sum.cost + f * f;
+  }
+  for (std::size_t i = 0; i < sensors; ++i) {
+    sum.gx = sum.gx + slope[i] * vx[i];
+    sum.gy = sum.gy + slope[i] * vy[i];
+    sum.gz = sum.gz + slope[i] * vz[i];
+    const V qx = q[i] * vx[i], qy = q[i] * vy[i];
+    sum.xx = sum.xx + qx * vx[i];
+    sum.xy = sum.xy + qx * vy[i];
+    sum.xz = sum.xz + qx * vz[i];
+    sum.yy = sum.yy + qy * vy[i];
+    sum.yz = sum.yz + qy * vz[i];
+    sum.zz = sum.zz + q[i] * vz[i] * vz[i];
+  }
+  return sum;
+}
+
+HWY_INLINE V StatusOf(SolveStatus status) { return hn::Set(D(), static_cast<double>(status)); }
+
+// Descents of all lanes. Where descents are long, a lane that ends takes the next problem at once; where they
+// are a few steps, taking one costs more than waiting for the others of the vector.
+template <bool printed, int known_sensors>
+class Descents {
+ public:
+  Descents(RangeLanes& lanes, const DescentOptions& options)
+      : lanes_(lanes), options_(options), refills_(printed) {}
+
+  void run() {
+    const D d;
+    const V tolerance2 = hn::Set(d, options_.step_tolerance_m * options_.step_tolerance_m);
+    const V limit = hn::Set(d, static_cast<double>(options_.max_iterations));
+    const V ratio = hn::Set(d, kRankRatio), one = hn::Set(d, 1.0);
+    take_vector();
+    while (!hn::AllFalse(d, active_)) {
+      const LaneEquations e =
+          Linearise<printed, known_sensors>(lanes_, work_, x_, y_, z_, options_.printed_unit_m);
+      V stops_at = tolerance2;
+      auto stops = step2_ < stops_at;
+      if (options_.stop != StopRule::step) {
+        const V change = e.cost - before_;
+        stops_at = hn::Set(d, options_.threshold_m2);
+        stops = (options_.stop == StopRule::printed ? change : hn::Abs(change)) < stops_at;
+      }
+      const V axx = e.yy * e.zz - e.yz * e.yz, axy = e.xz * e.yz - e.xy * e.zz,
+              axz = e.xy * e.yz - e.xz * e.yy, ayy = e.xx * e.zz - e.xz * e.xz,
+              ayz = e.xy * e.xz - e.xx * e.yz, azz = e.xx * e.yy - e.xy * e.xy;
+      const V determinant = e.xx * axx + e.xy * axy + e.xz * axz;
+      const V trace = e.xx + e.yy + e.zz, pairs = axx + ayy + azz;
+      const M spans = hn::And(pairs > ratio * trace * trace, determinant > ratio * trace * pairs);
+      const M finite = hn::IsFinite(e.cost);
+      const M ends =
+          hn::And(active_, hn::Or(hn::Or(stops, steps_ >= limit), hn::Not(hn::And(finite, spans))));
+      active_ = hn::AndNot(ends, active_);
+      const V scale = hn::Set(d, -1.0) / determinant;
+      const V sx = (axx * e.gx + axy * e.gy + axz * e.gz) * scale,
+              sy = (axy * e.gx + ayy * e.gy + ayz * e.gz) * scale,
+              sz = (axz * e.gx + ayz * e.gy + azz * e.gz) * scale;
+      x_ = hn::IfThenElse(active_, x_ + sx, x_);
+      y_ = hn::IfThenElse(active_, y_ + sy, y_);
+      z_ = hn::IfThenElse(active_, z_ + sz, z_);
+      if (!hn::AllFalse(d, ends)) {
+        V status = hn::IfThenElse(steps_ >= limit, StatusOf(SolveStatus::iteration_limit),
+                                  StatusOf(SolveStatus::rank_deficient));
+        status = hn::IfThenElse(stops, StatusOf(SolveStatus::converged), status);
+        status = hn::IfThenElse(finite, status, StatusOf(SolveStatus::diverged));
+        status_ = hn::IfThenElse(ends, status, status_);
+      }
+      step2_ = sx * sx + sy * sy + sz * sz;
+      before_ = e.cost;
+      steps_ = hn::IfThenElse(active_, steps_ + one, steps_);
+      if (hn::AllFalse(d, ends)) continue;
+      if (refills_)
+        take_some(ends);
+      else if (hn::AllFalse(d, active_))
+        take_vector();
+    }
+  }
+
+ private:
+  // Writes down a vector of problems, all of which ended, and takes the next, while there are any.
+  HWY_INLINE void take_vector() {
+    const D d;
+    if (next_ > 0) {
+      const std::size_t first = work_.problem[0];
+      hn::Store(x_, d, lanes_.position_m.row(0) + first);
+      hn::Store(y_, d, lanes_.position_m.row(1) + first);
+      hn::Store(z_, d, lanes_.position_m.row(2) + first);
+      hn::Store(steps_, d, lanes_.iterations.row(0) + first);
+      hn::Store(status_, d, work_.status);
+      for (std::size_t lane = 0; first + lane < next_; ++lane)
+        lanes_.status[first + lane] = static_cast<SolveStatus>(static_cast<int>(work_.status[lane]));
+    }
+    const std::size_t taken = std::min(hn::Lanes(d), lanes_.count - next_);
+    active_ = hn::FirstN(d, taken);
+    if (taken == 0) return;
+    for (std::size_t i = 0; i < lanes_.sensor_m.size(); ++i)
+      hn::Store(hn::Load(d, lanes_.range_m.row(i) + next_), d, work_.range_m[i]);
+    x_ = hn::Load(d, lanes_.position_m.row(0) + next_);
+    y_ = hn::Load(d, lanes_.position_m.row(1) + next_);
+    z_ = hn::Load(d, lanes_.position_m.row(2) + next_);
+    step2_ = hn::Set(d, std::numeric_limits<double>::infinity());
+    before_ = hn::Neg(step2_);
+    steps_ = status_ = hn::Zero(d);
+    for (std::size_t lane = 0; lane < taken; ++lane) work_.problem[lane] = next_ + lane;
+    next_ += taken;
+  }
+
+  // Writes down the lanes that ended; each takes the next problem, while there are any.
+  HWY_NOINLINE void take_some(M ended) {
+    const D d;
+    alignas(64) double is_ended[kLaneBlock], is_active[kLaneBlock];
+    hn::Store(hn::IfThenElseZero(ended, hn::Set(d, 1.0)), d, is_ended);
+    hn::Store(hn::IfThenElseZero(active_, hn::Set(d, 1.0)), d, is_active);
+    hn::Store(x_, d, work_.x_m[0]);
+    hn::Store(y_, d, work_.x_m[1]);
+    hn::Store(z_, d, work_.x_m[2]);
+    hn::Store(before_, d, work_.before_m2);
+    hn::Store(step2_, d, work_.step2_m2);
+    hn::Store(steps_, d, work_.steps);
+    hn::Store(status_, d, work_.status);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+      if (is_ended[lane] == 0.0) continue;
+      work_.finish(lane, lanes_);
+      if (next_ == lanes_.count) continue;
+      work_.begin(lane, next_++, lanes_);
+      is_active[lane] = 1.0;
+    }
+    x_ = hn::Load(d, work_.x_m[0]);
+    y_ = hn::Load(d, work_.x_m[1]);
+    z_ = hn::Load(d, work_.x_m[2]);
+    before_ = hn::Load(d, work_.before_m2);
+    step2_ = hn::Load(d, work_.step2_m2);
+    steps_ = hn::Load(d, work_.steps);
+    active_ = hn::Load(d, is_active) > hn::Zero(d);
+  }
+
+  RangeLanes& lanes_;
+  const DescentOptions& options_;
+  const bool refills_;
+  std::size_t next_ = 0;
+  Work work_{};
+  V x_, y_, z_, step2_, before_, steps_, status_;
+  M active_;
+};
+
+void DescendAll(RangeLanes& lanes, const DescentOptions& options) {
+  const bool four = lanes.sensor_m.size() == 4;
+  if (options.gradient == Gradient::printed)
+    return four ? Descents<true, 4>(lanes, options).run() : Descents<true, 0>(lanes, options).run();
+  return four ? Descents<false, 4>(lanes, options).run() : Descents<false, 0>(lanes, options).run();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace trilat
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace trilat {
+HWY_EXPORT(DescendAll);
+
+void LaneRows::Free::operator()(double* p) const { std::free(p); }
+
+LaneRows::LaneRows(std::size_t rows, std::size_t lanes)
+    : stride_((lanes + kLaneBlock - 1) / kLaneBlock * kLaneBlock) {
+  // Rows a power of two apart would fall into the same few places of the cache.
+  if (rows > 1 && stride_ % (8 * kLaneBlock) == 0) stride_ += kLaneBlock;
+  const std::size_t bytes = rows * stride_ * sizeof(double);
+  data_.reset(static_cast<double*>(std::aligned_alloc(64, std::max<std::size_t>(bytes, 64))));
+  if (!data_) throw std::bad_alloc();
+  std::fill_n(data_.get(), rows * stride_, 0.0);
+}
+
+RangeLanes::RangeLanes(std::span<const Eigen::Vector3d> sensors_m, std::size_t lanes)
+    : sensor_m(sensors_m.begin(), sensors_m.end()),
+      count(lanes),
+      range_m(sensors_m.size(), lanes),
+      position_m(3, lanes),
+      iterations(1, lanes),
+      status(lanes, SolveStatus::not_solved) {}
+
+void descend(RangeLanes& lanes, const DescentOptions& options) {
+  TRILAT_CHECK(lanes.sensor_m.size() <= kMaxSensors, "lanes hold the sensors of one rig");
+  TRILAT_CHECK(options.damping == Damping::none && contradiction_in(options).empty(),
+               "lanes descend without damping, by settings that fit together");
+  HWY_DYNAMIC_DISPATCH(DescendAll)(lanes, options);
+}
+
+}  // namespace trilat
+#endif  // HWY_ONCE
