@@ -17,7 +17,7 @@ namespace trilat {
 namespace {
 
 const std::string kOverTime = R"("alignments": ["none"], "methods": [{"method": "mean"}, {"method": "rts"},
-    {"method": "window", "occlusion": "corrected"}, {"method": "window", "name": "short", "window_s": 0.5}])";
+    {"method": "window", "occlusion": "corrected"}, {"method": "window", "name": "stiff", "bone_sigma_m": 0.003}])";
 
 double mean_error_m(const ResultsSummary& summary, const std::string& method) {
   double sum_m = 0.0, count = 0.0;
@@ -31,17 +31,17 @@ double mean_error_m(const ResultsSummary& summary, const std::string& method) {
   return sum_m / count;
 }
 
-TEST(OverTime, WindowsOfAllJointsAreAsGoodAsTheMean) {
+TEST(OverTime, AllJointsTogetherAreAsGoodAsTheMean) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", walking_spec(2));
   const StudySpec study = study_of(kOverTime);
   const ResultsSummary summary = execute_study(study, campaign, folder / "results", {});
-  for (const char* method : {"window", "short"})
+  for (const char* method : {"window", "stiff"})
     EXPECT_LT(mean_error_m(summary, method), 1.1 * mean_error_m(summary, "mean")) << method;
 }
 
 // Without errors of the sensors; what is left is what smoothing takes away.
-TEST(OverTime, WithoutNoiseTheWindowsFindTheTruth) {
+TEST(OverTime, WithoutNoiseAllJointsTogetherFindTheTruth) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "campaign", synchronised(without_noise(walking_spec(1))));
   const StudySpec study = study_of(

@@ -103,9 +103,9 @@ void rts_settings(Settings& s, MethodSpec& m) {
 }
 
 void window_settings(Settings& s, MethodSpec& m) {
-  BoneWindowOptions& o = m.window;
+  BoneSmootherOptions& o = m.bones;
+  if (s.reading()) s.reading()->removed("window_s", "the whole take is one problem");
   motion_settings(s, o);
-  s("window_s", o.window_s, {0.1, 60.0}, "length of a window; windows overlap by half");
   s("bone_sigma_m", o.bone_sigma_m, {1e-4, 10.0},
     "by how much a bone's length differs from its median over the take");
   s("loss_scale_m", o.loss_scale_m, {1e-3, 10.0}, "of Cauchy's loss");
@@ -245,11 +245,11 @@ const std::vector<MethodKind>& method_kinds() {
        .settings = rts_settings,
        .over_time = solve_joints},
       {.name = "window",
-       .what = "all joints together over a window of time, with bones of constant length",
-       .source = "the motion of rts with Cauchy's loss, by Ceres",
+       .what = "all joints together, smoothed forwards and backwards with bones of constant length",
+       .source = "the motion of rts with Cauchy's loss",
        .needs_ranges = false,
        .settings = window_settings,
-       .over_time = solve_windows}};
+       .over_time = solve_bones}};
   return kinds;
 }
 

@@ -8,7 +8,7 @@
 #include "datasets/base/strict_json.h"
 #include "evaluators/ceres/ceres_trilateration.h"
 #include "evaluators/fusion/baselines.h"
-#include "evaluators/fusion/bone_window.h"
+#include "evaluators/fusion/bone_smoother.h"
 #include "evaluators/fusion/kalman.h"
 #include "evaluators/fusion/range_bearing.h"
 #include "evaluators/solvers/geometric.h"
@@ -48,7 +48,7 @@ struct MethodSpec {
   // How the sensors stand and measure is corrected by what the take shows of it, without truth.
   bool calibration_is_estimated = false;
   KalmanOptions kalman;  // of kalman and rts
-  BoneWindowOptions window;
+  BoneSmootherOptions bones;  // of window
 };
 
 // Whether the method needs to know which joints are hidden.

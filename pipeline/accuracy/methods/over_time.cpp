@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "datasets/base/error.h"
-#include "evaluators/fusion/bone_window.h"
+#include "evaluators/fusion/bone_smoother.h"
 #include "evaluators/fusion/kalman.h"
 #include "pipeline/study/parallel.h"
 
@@ -44,24 +43,19 @@ void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCa
   });
 }
 
-void solve_windows(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
-                   MethodPaths& paths) {
-  const BoneWindowOptions& options = method.spec.window;
+void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
+                 MethodPaths& paths) {
   const std::vector<Joint> joints = joints_with_bones(seen.joints);
   const BodyPath path{seen.time_ns, joints, seen.sensors,
                       [&](std::size_t instant, std::size_t joint, std::span<JointObservation> observations) {
+                        if (instant % 1024 == 0 && calls.must_stop && calls.must_stop()) throw Interrupted();
                         seen.observe(instant, joints[joint], observations);
                       }};
-  const BoneWindows windows = plan_bone_windows(path, options);
-  parallel_for_index(windows.windows.size(), 1, [&](std::size_t k) {
-    if (calls.must_stop && calls.must_stop()) throw Interrupted();
-    const std::vector<PointEstimate> estimates = solve_bone_window(path, windows, k, options);
-    const auto [first, last] = std::pair(windows.windows[k].answer_first, windows.windows[k].answer_last);
-    for (std::size_t i = first; i < last; ++i)
-      for (std::size_t j = 0; j < paths.joints; ++j)  // those asked for come first
-        paths.points[i * paths.joints + j] = point_of(estimates[(i - first) * joints.size() + j]);
-    if (calls.advanced) calls.advanced(last - first);
-  });
+  const std::vector<PointEstimate> estimates = smooth_bones(path, method.spec.bones).estimates;
+  for (std::size_t i = 0; i < seen.time_ns.size(); ++i)
+    for (std::size_t j = 0; j < paths.joints; ++j)  // those asked for come first
+      paths.points[i * paths.joints + j] = point_of(estimates[i * joints.size() + j]);
+  if (calls.advanced) calls.advanced(seen.time_ns.size());
 }
 
 }  // namespace trilat

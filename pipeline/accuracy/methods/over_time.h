@@ -46,8 +46,8 @@ using OverTimeSolver = void (*)(const Method& method, const SeenInTime& seen, co
 // Each joint by itself.
 void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
                   MethodPaths& paths);
-// All joints together, window by window, which takes long. Throws Interrupted when asked to stop.
-void solve_windows(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
-                   MethodPaths& paths);
+// All joints together, which takes long. Throws Interrupted when asked to stop.
+void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
+                 MethodPaths& paths);
 
 }  // namespace trilat

@@ -19,7 +19,7 @@ constexpr std::uint64_t kCheckedEvery = 8;
 constexpr std::uint64_t kBlock = 256;      // instants that are solved together
 constexpr std::uint64_t kSideBySide = 16;  // of them by one thread
 // Weight of an instant of a windowed method in the progress, where one of all others together counts 1.
-constexpr std::uint64_t kWindowedWork = 5;
+constexpr std::uint64_t kBonesWork = 5;
 
 // Observations of the rig during a block, as stated or as corrected: per instant and joint, one a sensor.
 struct Observations {
@@ -175,10 +175,10 @@ void solve_block(const Plan& plan, const PlannedTake& planned, const PreparedTak
   for (std::size_t k = 0; k < checks.size(); ++k) sums[k / count].merge(checks[k]);
 }
 
-bool is_windowed(const Method& method) { return method.spec.kind->over_time == solve_windows; }
+bool has_bones(const Method& method) { return method.spec.kind->over_time == solve_bones; }
 
-// All methods that need whole paths, one after the other: each by itself uses all threads, and windows most
-// memory, so that they come before there are paths.
+// All methods that need whole paths, one after the other; those with bones take most memory, so that they
+// come before there are paths.
 std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned,
                                          const PreparedTake& data, const OverTimeCalls& calls) {
   std::vector<std::int64_t> time_ns;
@@ -186,7 +186,7 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
   std::vector<std::size_t> methods;
   for (std::size_t m = 0; m < first_brought(plan); ++m)
     if (is_over_time(plan.methods[m])) methods.push_back(m);
-  std::ranges::stable_partition(methods, is_windowed,
+  std::ranges::stable_partition(methods, has_bones,
                                 [&](std::size_t m) -> const Method& { return plan.methods[m]; });
   std::vector<MethodPaths> all;
   for (const std::size_t m : methods) {
@@ -221,15 +221,15 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
 std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
                                   std::span<const MethodPaths> brought, bool cross_check, const Watch& watch,
                                   const std::function<void(const SampleBlock&)>& each) {
-  const auto windowed = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, is_windowed));
-  const std::uint64_t total = data.time.size() * (1 + kWindowedWork * windowed);
+  const auto with_bones = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, has_bones));
+  const std::uint64_t total = data.time.size() * (1 + kBonesWork * with_bones);
   std::atomic<std::uint64_t> done{0};
   const auto advance = [&](std::uint64_t work) {
     watch.tell(static_cast<double>(done += work) / static_cast<double>(total));
   };
   const std::vector<MethodPaths> paths = solve_over_time(
       plan, planned, data,
-      {[&](std::size_t instants) { advance(kWindowedWork * instants); }, [&] { return watch.stopped(); }});
+      {[&](std::size_t instants) { advance(kBonesWork * instants); }, [&] { return watch.stopped(); }});
   std::vector<TakeCheck> checks(cross_check ? checked_methods(plan).size() : 0);
   SampleBlock block;
   for (std::uint64_t first = 0; first < data.time.size(); first += kBlock) {

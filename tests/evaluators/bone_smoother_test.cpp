@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/fusion/bone_window.h"
+#include "evaluators/fusion/bone_smoother.h"
 
 #include <algorithm>
 #include <cmath>
@@ -75,16 +75,12 @@ Scene scene_of(std::size_t instants, double noise_m, const std::vector<Joint>& j
   return scene;
 }
 
-std::vector<PointEstimate> solve(const Scene& scene, const BoneWindowOptions& options) {
-  std::vector<PointEstimate> estimates;
-  const BodyPath path = scene.path();
-  const BoneWindows windows = plan_bone_windows(path, options);
-  for (std::size_t k = 0; k < windows.windows.size(); ++k)
-    std::ranges::copy(solve_bone_window(path, windows, k, options), std::back_inserter(estimates));
-  return estimates;
+std::vector<PointEstimate> solve(const Scene& scene, const BoneSmootherOptions& options) {
+  return smooth_bones(scene.path(), options).estimates;
 }
 
-std::vector<PointEstimate> smoothed(const Scene& scene, std::size_t joint, const BoneWindowOptions& options) {
+std::vector<PointEstimate> smoothed(const Scene& scene, std::size_t joint,
+                                    const BoneSmootherOptions& options) {
   const KalmanOptions smoother{.gate_sigma = kNever, .longest_gap_s = options.longest_gap_s, .smooth = true};
   const auto observe = scene.path().observe;
   return solve_kalman(
@@ -93,7 +89,7 @@ std::vector<PointEstimate> smoothed(const Scene& scene, std::size_t joint, const
       smoother);
 }
 
-TEST(BoneWindow, ExactPositionsOfAPersonWhoStandsGiveTheTruth) {
+TEST(BoneSmoother, ExactPositionsOfAPersonWhoStandsGiveTheTruth) {
   const Scene scene = scene_of(100, 0.0, kArm, 1, false);
   const auto estimates = solve(scene, {});
   ASSERT_FALSE(estimates.empty());
@@ -103,7 +99,7 @@ TEST(BoneWindow, ExactPositionsOfAPersonWhoStandsGiveTheTruth) {
   }
 }
 
-TEST(BoneWindow, ExactPositionsOfAPersonWhoMovesGiveTheTruth) {
+TEST(BoneSmoother, ExactPositionsOfAPersonWhoMovesGiveTheTruth) {
   const Scene scene = scene_of(150, 0.0);
   const auto estimates = solve(scene, {.sigma_m = 1e-4});
   ASSERT_FALSE(estimates.empty());
@@ -111,20 +107,22 @@ TEST(BoneWindow, ExactPositionsOfAPersonWhoMovesGiveTheTruth) {
     EXPECT_LT((estimates[k].position_m - scene.truth_m[k]).norm(), 2e-4) << k;
 }
 
-TEST(BoneWindow, BonesKeepTheirLengths) {
+TEST(BoneSmoother, BonesKeepTheirLengths) {
   const Scene scene = scene_of(120, 0.03);
-  const BoneWindowOptions options{.bone_sigma_m = 0.001};
-  const BoneWindows windows = plan_bone_windows(scene.path(), options);
-  ASSERT_EQ(windows.bones.size(), 2u);
-  const auto estimates = solve(scene, options);
-  for (const MedianBone& bone : windows.bones) {
+  const BoneSmootherOptions options{.bone_sigma_m = 0.001};
+  const SmoothedBody body = smooth_bones(scene.path(), options);
+  ASSERT_EQ(body.bones.size(), 2u);
+  const auto& estimates = body.estimates;
+  std::vector<std::vector<PointEstimate>> alone;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) alone.push_back(smoothed(scene, j, options));
+  for (const MedianBone& bone : body.bones) {
     const bool forearm = scene.joints[bone.child] == Joint::wrist_left;
     EXPECT_NEAR(bone.length_m, forearm ? 0.25 : 0.3, 0.006);
     double worst_m = 0.0, worst_smoothed_m = 0.0;
     for (std::size_t i = 0; i < scene.time_ns.size(); ++i) {
       const auto length_m = [&](const auto& at) { return (at(bone.child) - at(bone.parent)).norm(); };
       const auto estimate = [&](std::size_t j) { return estimates[scene.slot(i, j)].position_m; };
-      const auto start = [&](std::size_t j) { return windows.start_m[scene.slot(i, j)]; };
+      const auto start = [&](std::size_t j) { return alone[j][i].position_m; };
       worst_m = std::max(worst_m, std::abs(length_m(estimate) - bone.length_m));
       worst_smoothed_m = std::max(worst_smoothed_m, std::abs(length_m(start) - bone.length_m));
     }
@@ -133,11 +131,11 @@ TEST(BoneWindow, BonesKeepTheirLengths) {
   }
 }
 
-TEST(BoneWindow, WithoutBonesAndLossItIsTheSmoother) {
+TEST(BoneSmoother, WithoutBonesAndLossItIsTheSmoother) {
   Scene scene = scene_of(40, 0.03, {Joint::wrist_left, Joint::shoulder_left});
   scene.hide(0, 10, 13);
   scene.at(20, 1, 0).state = TrackingState::inferred;
-  const BoneWindowOptions options{.window_s = 10.0, .loss_scale_m = kNever};
+  const BoneSmootherOptions options{.loss_scale_m = kNever, .step_tolerance_m = 1e-12};
   const auto estimates = solve(scene, options);
   for (std::size_t j = 0; j < 2; ++j) {
     const auto expected = smoothed(scene, j, options);
@@ -147,7 +145,7 @@ TEST(BoneWindow, WithoutBonesAndLossItIsTheSmoother) {
 }
 
 // All residuals of a small problem of two joints, written out from the equations.
-Eigen::VectorXd plain_residuals(const Scene& scene, const BoneWindowOptions& options, double length_m,
+Eigen::VectorXd plain_residuals(const Scene& scene, const BoneSmootherOptions& options, double length_m,
                                 const Eigen::VectorXd& x) {
   std::vector<double> r;
   const auto part = [&](std::size_t i, std::size_t j, int half) -> Vector3d {
@@ -179,12 +177,13 @@ Eigen::VectorXd plain_residuals(const Scene& scene, const BoneWindowOptions& opt
   return Eigen::Map<Eigen::VectorXd>(r.data(), static_cast<int>(r.size()));
 }
 
-TEST(BoneWindow, EqualsThePlainBatchSolution) {
+TEST(BoneSmoother, EqualsThePlainBatchSolution) {
   const Scene scene = scene_of(8, 0.03, {Joint::elbow_left, Joint::shoulder_left});
-  const BoneWindowOptions options{.loss_scale_m = kNever, .function_tolerance = 1e-16};
-  const BoneWindows windows = plan_bone_windows(scene.path(), options);
+  const BoneSmootherOptions options{
+      .loss_scale_m = kNever, .step_tolerance_m = 1e-12, .max_iterations = 5000};
+  const SmoothedBody body = smooth_bones(scene.path(), options);
   const auto residuals = [&](const Eigen::VectorXd& x) {
-    return plain_residuals(scene, options, windows.bones.at(0).length_m, x);
+    return plain_residuals(scene, options, body.bones.at(0).length_m, x);
   };
   Eigen::VectorXd x = Eigen::VectorXd::Zero(6 * 16);
   for (int k = 0; k < 16; ++k) x.segment<3>(6 * k) = scene.truth_m[static_cast<std::size_t>(k)];
@@ -200,14 +199,14 @@ TEST(BoneWindow, EqualsThePlainBatchSolution) {
     }
     x -= jacobian.colPivHouseholderQr().solve(r);
   }
-  const auto estimates = solve(scene, options);
   for (int k = 0; k < 16; ++k)
-    EXPECT_LT((estimates[static_cast<std::size_t>(k)].position_m - x.segment<3>(6 * k)).norm(), 1e-7) << k;
+    EXPECT_LT((body.estimates[static_cast<std::size_t>(k)].position_m - x.segment<3>(6 * k)).norm(), 1e-7)
+        << k;
 }
 
 // The elbow is away for half a second; shoulder and wrist are seen.
-TEST(BoneWindow, FindsAHiddenJointBetterThanTheSmoother) {
-  const BoneWindowOptions options{.longest_gap_s = 1.0};
+TEST(BoneSmoother, FindsAHiddenJointBetterThanTheSmoother) {
+  const BoneSmootherOptions options{.longest_gap_s = 1.0};
   double squares_m2 = 0.0, smoothed_squares_m2 = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Scene scene = scene_of(120, 0.03, kArm, seed);
@@ -223,25 +222,25 @@ TEST(BoneWindow, FindsAHiddenJointBetterThanTheSmoother) {
   EXPECT_LT(std::sqrt(squares_m2), 0.7 * std::sqrt(smoothed_squares_m2));
 }
 
-TEST(BoneWindow, ASensorThatIsFarOffHardlyCounts) {
+TEST(BoneSmoother, ASensorThatIsFarOffHardlyCounts) {
   Scene scene = scene_of(120, 0.005, kArm, 3);
   scene.at(60, 0, 1).point_in_world_m += Vector3d(1.0, 0.0, 0.0);
   const auto estimates = solve(scene, {});
   EXPECT_LT((estimates[scene.slot(60, 0)].position_m - scene.truth_m[scene.slot(60, 0)]).norm(), 0.03);
 }
 
-TEST(BoneWindow, AJointIsCarriedThroughAWholeWindowWhenTheGapMayBeSoLong) {
+TEST(BoneSmoother, AJointIsCarriedThroughSecondsWhenTheGapMayBeSoLong) {
   Scene scene = scene_of(150, 0.005);
   scene.hide(0, 40, 110);
-  const auto estimates = solve(scene, {.window_s = 1.0, .longest_gap_s = 10.0});
+  const auto estimates = solve(scene, {.longest_gap_s = 10.0});
   for (std::size_t i = 0; i < 150; ++i)
     EXPECT_EQ(estimates[scene.slot(i, 0)].status, SolveStatus::converged) << i;
 }
 
-TEST(BoneWindow, AJointThatIsNeverSeenLeavesTheOthersAlone) {
+TEST(BoneSmoother, AJointThatIsNeverSeenLeavesTheOthersAlone) {
   Scene scene = scene_of(60, 0.01);
   scene.hide(2, 0, 60);
-  EXPECT_TRUE(plan_bone_windows(scene.path(), {}).bones.empty());
+  EXPECT_TRUE(smooth_bones(scene.path(), {}).bones.empty());
   const auto estimates = solve(scene, {});
   for (std::size_t i = 0; i < 60; ++i) {
     EXPECT_EQ(estimates[scene.slot(i, 2)].status, SolveStatus::no_observation);
@@ -249,7 +248,7 @@ TEST(BoneWindow, AJointThatIsNeverSeenLeavesTheOthersAlone) {
   }
 }
 
-TEST(BoneWindow, NothingAtAllIsNoObservation) {
+TEST(BoneSmoother, NothingAtAllIsNoObservation) {
   Scene scene = scene_of(20, 0.0);
   for (std::size_t j = 0; j < 3; ++j) scene.hide(j, 0, 20);
   for (const PointEstimate& estimate : solve(scene, {}))
@@ -257,7 +256,7 @@ TEST(BoneWindow, NothingAtAllIsNoObservation) {
   EXPECT_TRUE(solve(scene_of(0, 0.0), {}).empty());
 }
 
-TEST(BoneWindow, OneInstantIsEnough) {
+TEST(BoneSmoother, OneInstantIsEnough) {
   const Scene scene = scene_of(1, 0.0);
   const auto estimates = solve(scene, {});
   for (std::size_t j = 0; j < 3; ++j) {
