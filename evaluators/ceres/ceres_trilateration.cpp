@@ -56,7 +56,7 @@ ceres::Solver::Options solver_options(const CeresOptions& options) {
 
 Descent descend_by_ceres(const RangeProblem& problem, const CeresOptions& options,
                          const Eigen::Vector3d& start_m) {
-  const double start_cost_m2 = linearise(problem, start_m).cost_m2;
+  const double start_cost_m2 = linearise(problem, start_m).cost;
   if (!std::isfinite(start_cost_m2)) return {start_m, SolveStatus::diverged, 0, start_cost_m2};
   Eigen::Vector3d x = start_m;
   ceres::Problem least_squares;

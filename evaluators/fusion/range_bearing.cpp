@@ -7,17 +7,23 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/solvers/descent.h"
-#include "evaluators/solvers/squared_ranges.h"
-#include "evaluators/solvers/symmetric3.h"
 
 namespace trilat {
 namespace {
 
-// A joint as the sensors see it whose views count, in sigmas.
+using Eigen::Vector3d;
+
+// A joint as one sensor sees it.
+struct Ray {
+  Vector3d sensor_m, point_m, direction;
+  double range_m = 0.0, range_weight = 0.0, bearing_weight = 0.0;  // weights: inverse variances in 1/m^2
+};
+
+// The views that count.
 struct Rays {
   int count = 0;
-  std::array<Eigen::Vector3d, kMaxSensors> sensor_m, point_m, direction;
-  std::array<double, kMaxSensors> range_m, range_weight, bearing_weight;  // inverse variances in 1/m^2
+  std::array<Ray, kMaxSensors> of;
+  std::span<const Ray> all() const { return {of.data(), static_cast<std::size_t>(count)}; }
 };
 
 Rays rays_of(std::span<const JointObservation> observations,
@@ -26,205 +32,113 @@ Rays rays_of(std::span<const JointObservation> observations,
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const JointObservation& o = observations[i];
     if (!options.allowed[i] || !o.seen) continue;
-    const int k = rays.count++;
     const double factor = o.state == TrackingState::inferred ? options.sigma.inferred_factor : 1.0;
     const double range_sigma_m = factor * options.sigma.range_m,
                  bearing_sigma_m = factor * options.sigma.bearing_m;
-    rays.sensor_m[k] = world_from_sensor[i].translation_m;
-    rays.point_m[k] = o.point_in_world_m;
-    rays.range_m[k] = o.range_m;
-    rays.direction[k] =
-        (o.point_in_world_m - rays.sensor_m[k]) / std::max(o.range_m, kOnSensor_m);  // 0 on the sensor
-    rays.range_weight[k] = 1.0 / (range_sigma_m * range_sigma_m);
-    rays.bearing_weight[k] = 1.0 / (bearing_sigma_m * bearing_sigma_m);
+    const Vector3d sensor_m = world_from_sensor[i].translation_m;
+    rays.of[static_cast<std::size_t>(rays.count++)] = {
+        sensor_m,
+        o.point_in_world_m,
+        (o.point_in_world_m - sensor_m) / std::max(o.range_m, kOnSensor_m),  // 0 on the sensor
+        o.range_m,
+        1.0 / (range_sigma_m * range_sigma_m),
+        1.0 / (bearing_sigma_m * bearing_sigma_m)};
   }
   return rays;
 }
 
-bool is_finite(const Rays& rays) {
-  for (int i = 0; i < rays.count; ++i)
-    if (!rays.sensor_m[i].allFinite() || !rays.point_m[i].allFinite() || !std::isfinite(rays.range_m[i]))
-      return false;
-  return true;
+// How far a place is off what one sensor sees.
+struct Residual {
+  Vector3d e;  // direction from the sensor to the place
+  double distance_m = 0.0, along_m = 0.0;
+  Vector3d across_m;
+  double square = 0.0;  // of all, in sigmas
+};
+Residual residual_at(const Ray& ray, const Vector3d& x_m) {
+  const Vector3d v = x_m - ray.sensor_m;
+  const double distance_m = std::max(v.norm(), kOnSensor_m), along_m = distance_m - ray.range_m;
+  const Vector3d across_m = v - ray.direction.dot(v) * ray.direction;
+  return {v / distance_m, distance_m, along_m, across_m,
+          ray.range_weight * along_m * along_m + ray.bearing_weight * across_m.squaredNorm()};
 }
 
-// What the sensors' squared residuals cost together. Cauchy's is the logarithm of a product.
-class Costs {
- public:
-  explicit Costs(const RangeBearingOptions& options) : options_(options) {}
-  // The weight with which the residual enters the normal equations.
-  double add(double square) {
-    const double limit = options_.loss_scale * options_.loss_scale;
-    if (options_.loss == Loss::cauchy) {
-      const double grown = square / limit;
-      product_less_1_ += grown + product_less_1_ * grown;
-      return 1.0 / (1.0 + grown);
-    }
-    sum_ += square;
-    return 1.0;
-  }
-  double value() const {
-    if (options_.loss != Loss::cauchy) return sum_;
-    return options_.loss_scale * options_.loss_scale * std::log1p(product_less_1_);
-  }
+// The weight with which a view's residual enters the normal equations.
+double weight_of(const RangeBearingOptions& options, double square) {
+  if (options.loss == Loss::squares) return 1.0;
+  return 1.0 / (1.0 + square / (options.loss_scale * options.loss_scale));
+}
 
- private:
-  const RangeBearingOptions& options_;
-  double sum_ = 0.0, product_less_1_ = 0.0;
-};
-
-struct Equations {
-  Symmetric3 normal;
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  // half the derivative
-  double cost = 0.0;
-};
-
-void add_projection(Symmetric3& matrix, double weight, const Eigen::Vector3d& direction) {
+// weight (I - direction direction^T)
+void add_projection(Symmetric3& matrix, double weight, const Vector3d& direction) {
   matrix.add_to_diagonal(weight);
   matrix.add_outer(-weight, direction);
 }
 
-// How far a place is off what one sensor sees.
-struct Residual {
-  Eigen::Vector3d e;  // direction from the sensor to the place
-  double along_m;
-  Eigen::Vector3d across_m;
-  double square;  // of all, in sigmas
-};
-Residual residual_at(const Rays& rays, int i, const Eigen::Vector3d& x_m) {
-  const Eigen::Vector3d v = x_m - rays.sensor_m[i];
-  const double distance_m = v.norm(), along_m = distance_m - rays.range_m[i];
-  const Eigen::Vector3d across_m = v - rays.direction[i].dot(v) * rays.direction[i];
-  return {v / std::max(distance_m, kOnSensor_m), along_m, across_m,
-          rays.range_weight[i] * along_m * along_m + rays.bearing_weight[i] * across_m.squaredNorm()};
-}
-
-Equations linearise(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
-  Equations result;
-  Costs costs(options);
-  for (int i = 0; i < rays.count; ++i) {
-    const Residual r = residual_at(rays, i, x_m);
-    const double weight = costs.add(r.square);
-    const double range_weight = weight * rays.range_weight[i],
-                 bearing_weight = weight * rays.bearing_weight[i];
-    result.normal.add_outer(range_weight, r.e);
-    add_projection(result.normal, bearing_weight, rays.direction[i]);
-    result.gradient += range_weight * r.along_m * r.e + bearing_weight * r.across_m;
+Linearised linearise(const Rays& rays, const RangeBearingOptions& options, const Vector3d& x_m) {
+  Linearised sum{{}, Vector3d::Zero()};
+  double grown = 0.0;  // the product of all 1 + square / scale^2, less 1: costs add up by one logarithm
+  for (const Ray& ray : rays.all()) {
+    const Residual r = residual_at(ray, x_m);
+    const double weight = weight_of(options, r.square), share = 1.0 / weight - 1.0;
+    const double range_weight = weight * ray.range_weight, bearing_weight = weight * ray.bearing_weight;
+    sum.matrix.add_outer(range_weight, r.e);
+    add_projection(sum.matrix, bearing_weight, ray.direction);
+    sum.gradient += range_weight * r.along_m * r.e + bearing_weight * r.across_m;
+    sum.cost += r.square;
+    sum.grain += r.distance_m * (range_weight * std::abs(r.along_m) + bearing_weight * r.across_m.norm());
+    grown += share + grown * share;
   }
-  result.cost = costs.value();
-  return result;
+  if (options.loss == Loss::cauchy) sum.cost = options.loss_scale * options.loss_scale * std::log1p(grown);
+  return sum;
 }
 
-struct Minimum {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
-  double cost = std::numeric_limits<double>::infinity();
-  SolveStatus status = SolveStatus::diverged;
-  int iterations = 0;
-};
-
-// Levenberg and Marquardt: undamped until a step does not lower the cost.
-Minimum descend(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& start_m) {
-  constexpr double kFirstDamping = 1e-3, kLargestDamping = 1e12;
-  constexpr double kRounding = 1.0 + 1e-12;  // near the minimum only the gradient still tells where it is
-  Minimum minimum{start_m, 0.0, SolveStatus::iteration_limit, 0};
-  Equations here = linearise(rays, options, start_m);
-  double damping = 0.0;
-  while (minimum.iterations < options.max_iterations) {
-    ++minimum.iterations;
-    Symmetric3 damped = here.normal;
-    damped.add_to_diagonal(damping * here.normal.trace());
-    const Symmetric3 adjugate = damped.adjugate();
-    const Eigen::Vector3d step_m = adjugate * here.gradient / -damped.determinant(adjugate);
-    const Eigen::Vector3d next_m = minimum.position_m + step_m;
-    const Equations there = linearise(rays, options, next_m);
-    if (!std::isfinite(there.cost) && damping >= kLargestDamping) break;
-    const bool is_small = step_m.norm() < options.step_tolerance_m;
-    if (there.cost <= here.cost * kRounding) {
-      minimum.position_m = next_m;
-      here = there;
-      damping = damping > kFirstDamping ? 0.1 * damping : 0.0;
-    } else {
-      damping = std::max(kFirstDamping, 10.0 * damping);
-    }
-    if (is_small || damping > kLargestDamping) {
-      minimum.status = SolveStatus::converged;
-      break;
-    }
-  }
-  minimum.cost = here.cost;
-  if (!std::isfinite(minimum.cost)) minimum.status = SolveStatus::diverged;
-  return minimum;
+Descent descend(const Rays& rays, const RangeBearingOptions& options, const Vector3d& start_m,
+                double step_tolerance_m) {
+  DescentOptions descent;
+  descent.step_tolerance_m = step_tolerance_m;
+  descent.max_iterations = options.max_iterations;
+  const auto at = [&](const Vector3d& x_m, Curvature) { return linearise(rays, options, x_m); };
+  return minimise(at, start_m, at(start_m, Curvature::gauss_newton).matrix.trace(), descent);
 }
 
-RangeProblem ranges_of(const Rays& rays) {
-  RangeProblem problem;
-  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-  problem.count = rays.count;
-  for (int i = 0; i < rays.count; ++i) {
-    problem.sensor_m[i] = rays.sensor_m[i];
-    problem.range_m[i] = rays.range_m[i];
-    sum_m += rays.point_m[i];
-  }
-  problem.hint_m = sum_m / rays.count;
-  return problem;
-}
-
-// Whether a sensor is so far off that the loss bends back: then another minimum may be lower.
-bool any_disagrees(const Rays& rays, const RangeBearingOptions& options, const Eigen::Vector3d& x_m) {
-  for (int i = 0; i < rays.count; ++i)
-    if (!(residual_at(rays, i, x_m).square <= options.loss_scale * options.loss_scale)) return true;
-  return false;
-}
-
-// The lowest of the minima that the descents find: from the mean and, where ranges count more than bearings,
-// from both sides of the ranges' own minimum.
-Minimum global_minimum(const Rays& rays, const RangeBearingOptions& options) {
-  if (options.start_m) return descend(rays, options, *options.start_m);
+// The lowest of the minima that descents find: from the mean and, where a sensor is so far off that the loss
+// bends back, from what each sees, since each may be right.
+Descent global_minimum(const Rays& rays, const RangeBearingOptions& options) {
   constexpr double kCoarse_m = 1e-4;  // tells whose minimum is the lowest, which then is found exactly
-  RangeBearingOptions coarse = options;
-  coarse.step_tolerance_m = std::max(kCoarse_m, options.step_tolerance_m);
-  const RangeProblem problem = ranges_of(rays);
-  Minimum best;
-  int iterations = 0;
-  const auto try_from = [&](const Eigen::Vector3d& start_m) {
-    const Minimum found = descend(rays, coarse, start_m);
-    iterations += found.iterations;
-    if (found.cost < best.cost) best = found;
+  if (options.start_m) return descend(rays, options, *options.start_m, options.step_tolerance_m);
+  Vector3d mean_m = Vector3d::Zero();
+  for (const Ray& ray : rays.all()) mean_m += ray.point_m / rays.count;
+  if (options.loss == Loss::squares) return descend(rays, options, mean_m, options.step_tolerance_m);
+  Descent best = descend(rays, options, mean_m, kCoarse_m);
+  int iterations = best.iterations;
+  const auto is_far_off = [&](const Ray& ray) {
+    return !(residual_at(ray, best.position_m).square <= options.loss_scale * options.loss_scale);
   };
-  try_from(*problem.hint_m);
-  if (options.loss != Loss::squares && any_disagrees(rays, options, best.position_m))  // each may be right
-    for (int i = 0; i < rays.count; ++i) try_from(rays.point_m[i]);
-  if (rays.count >= 3 && options.sigma.range_m < options.sigma.bearing_m) {
-    const SensorPlane plane = plane_of(problem);
-    if (!plane.collinear) {
-      const Eigen::Vector3d start_m = squared_range_position_m(problem, plane);
-      try_from(start_m);
-      try_from(plane.mirrored(start_m));
+  if (std::ranges::any_of(rays.all(), is_far_off))
+    for (const Ray& ray : rays.all()) {
+      const Descent found = descend(rays, options, ray.point_m, kCoarse_m);
+      iterations += found.iterations;
+      if (found.cost < best.cost) best = found;
     }
-  }
-  if (std::isfinite(best.cost)) best = descend(rays, options, best.position_m);
+  best = descend(rays, options, best.position_m, options.step_tolerance_m);
   best.iterations += iterations;
   return best;
 }
 
 // Estimate at the minimum. Its covariance weighs each view as the loss does there, so that a dismissed view
 // adds no information.
-PointEstimate estimate_of(const Rays& rays, const RangeBearingOptions& options, const Minimum& minimum) {
-  const Eigen::Vector3d& x_m = minimum.position_m;
-  PointEstimate estimate = estimate_at(ranges_of(rays), x_m, minimum.status, minimum.iterations);
-  Costs costs(options);
+PointEstimate estimate_of(const Rays& rays, const RangeBearingOptions& options, const Descent& minimum) {
+  RangeProblem ranges;
   Symmetric3 information;
-  double range_cost = 0.0;
-  for (int i = 0; i < rays.count; ++i) {
-    const Eigen::Vector3d v = x_m - rays.sensor_m[i];
-    const double distance_m = v.norm();
-    const Eigen::Vector3d e = v / std::max(distance_m, kOnSensor_m);
-    const double weight = costs.add(residual_at(rays, i, x_m).square);
-    information.add_outer(weight * rays.range_weight[i], e);
-    add_projection(information, weight * rays.bearing_weight[i], e);
-    range_cost += std::pow(distance_m - rays.range_m[i], 2);
+  for (const Ray& ray : rays.all()) {
+    ranges.sensor_m[ranges.count] = ray.sensor_m;
+    ranges.range_m[ranges.count++] = ray.range_m;
+    const Residual r = residual_at(ray, minimum.position_m);
+    const double weight = weight_of(options, r.square);
+    information.add_outer(weight * ray.range_weight, r.e);
+    add_projection(information, weight * ray.bearing_weight, r.e);
   }
-  estimate.cost_m2 = range_cost;
+  PointEstimate estimate = estimate_at(ranges, minimum.position_m, minimum.status, minimum.iterations);
   const Symmetric3 inverse = information.adjugate();
   estimate.covariance = inverse.matrix() / information.determinant(inverse);
   return estimate;
@@ -248,8 +162,10 @@ PointEstimate solve_range_bearing(std::span<const JointObservation> observations
   TRILAT_CHECK(contradiction_in(options).empty(), "the options fit each other");
   const Rays rays = rays_of(observations, world_from_sensor, options);
   if (rays.count == 0) return failed_estimate(SolveStatus::no_observation);
-  if (!is_finite(rays)) return failed_estimate(SolveStatus::non_finite_input);
-  const Minimum minimum = global_minimum(rays, options);
+  for (const Ray& ray : rays.all())
+    if (!ray.sensor_m.allFinite() || !ray.point_m.allFinite() || !std::isfinite(ray.range_m))
+      return failed_estimate(SolveStatus::non_finite_input);
+  const Descent minimum = global_minimum(rays, options);
   if (!is_usable(minimum.status) && minimum.status != SolveStatus::iteration_limit)
     return failed_estimate(minimum.status);
   return estimate_of(rays, options, minimum);

@@ -52,7 +52,7 @@ void descend_together(std::span<const RangeProblem> problems, std::span<const st
     descent.position_m = lanes.position_m.position(lane);
     descent.status = lanes.status[lane];
     descent.iterations = static_cast<int>(lanes.iterations.row(0)[lane]);
-    descent.cost_m2 = linearise(problems[members[lane]], descent.position_m).cost_m2;
+    descent.cost = linearise(problems[members[lane]], descent.position_m).cost;
   }
 }
 

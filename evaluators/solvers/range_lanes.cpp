@@ -26,7 +26,7 @@ using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 
-// RangeEquations in each lane, without the grain.
+// Linearised in each lane, without the grain.
 struct LaneEquations {
   V xx, xy, xz, yy, yz, zz;  // J^T J
   V gx, gy, gz;              // gradient

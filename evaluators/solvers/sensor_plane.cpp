@@ -73,7 +73,7 @@ double residual_rms_m(const RangeProblem& problem, double cost_m2) {
 bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
                     const Eigen::Vector3d& other_m) {
   const auto cost_m2 = [&](double share) {
-    return linearise(problem, one_m + share * (other_m - one_m)).cost_m2;
+    return linearise(problem, one_m + share * (other_m - one_m)).cost;
   };
   const double ends_m2 = std::max(cost_m2(0.0), cost_m2(1.0));
   for (int k = 1; k < kBetween; ++k)
@@ -83,11 +83,9 @@ bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
 
 // Of two descents that ended on different sides.
 bool fit_alike(const RangeProblem& problem, const Descent& one, const Descent& other, double range_sigma_m) {
-  const double apart_m =
-      std::abs(residual_rms_m(problem, one.cost_m2) - residual_rms_m(problem, other.cost_m2));
-  return apart_m <= kSameResidual_m ||
-         (!ranges_decide(std::abs(one.cost_m2 - other.cost_m2), range_sigma_m) &&
-          are_two_minima(problem, one.position_m, other.position_m));
+  const double apart_m = std::abs(residual_rms_m(problem, one.cost) - residual_rms_m(problem, other.cost));
+  return apart_m <= kSameResidual_m || (!ranges_decide(std::abs(one.cost - other.cost), range_sigma_m) &&
+                                        are_two_minima(problem, one.position_m, other.position_m));
 }
 
 }  // namespace
@@ -113,7 +111,7 @@ Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, co
   const bool both = is_usable(first.status) && is_usable(second.status);
   Descent chosen = is_usable(second.status) && !is_usable(first.status) ? second : first;
   if (both && (first.position_m - second.position_m).norm() > kSameMinimum_m) {
-    const bool first_is_lower = first.cost_m2 < second.cost_m2;
+    const bool first_is_lower = first.cost < second.cost;
     chosen = first_is_lower ? first : second;
     const bool one_side = plane.offset_m(first.position_m) * plane.offset_m(second.position_m) > 0.0;
     if (!one_side && fit_alike(problem, first, second, range_sigma_m)) {

@@ -20,10 +20,6 @@ Json document(const List& list, const std::string& name, const std::string& scal
   const Json scales = json.value("scales", Json::object());
   json.erase("scales");
   if (scales.contains(scale)) json.merge_patch(scales[scale]);
-  for (const Json& left_out : json.value("without_methods", Json::array()))
-    std::erase_if(json["methods"].get_ref<Json::array_t&>(),
-                  [&](const Json& method) { return method["name"] == left_out; });
-  json.erase("without_methods");
   return json;
 }
 

@@ -25,7 +25,7 @@ struct Duel {
   // How much of the allowance our cost uses up; more than 1 is a loss, and NaN counts as one.
   double allowance_used() const {
     if (!fought()) return 0.0;
-    const double theirs_m2 = std::fmin(ceres[0].cost_m2, ceres[1].cost_m2);
+    const double theirs_m2 = std::fmin(ceres[0].cost, ceres[1].cost);
     const double used = (own.cost_m2 - theirs_m2) / (theirs_m2 * kDuelRelative + kDuelAbsolute_m2);
     return std::isnan(used) ? std::numeric_limits<double>::infinity() : used;
   }

@@ -39,10 +39,10 @@ TEST(RangeEquations, GradientIsTheDifferenceQuotientOfTheCost) {
   for (const int count : {3, 4}) {
     problem.count = count;
     const Vector3d x(0.3, 1.1, -0.4);
-    const RangeEquations at_x = linearise(problem, x);
+    const Linearised at_x = linearise(problem, x);
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d h = 1e-5 * Vector3d::Unit(axis);
-      const double slope = (linearise(problem, x + h).cost_m2 - linearise(problem, x - h).cost_m2) / 2e-5;
+      const double slope = (linearise(problem, x + h).cost - linearise(problem, x - h).cost) / 2e-5;
       EXPECT_NEAR(2.0 * at_x.gradient[axis], slope, 1e-8);
     }
   }
