@@ -5,27 +5,13 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
 
 #include "datasets/base/error.h"
+#include "evaluators/alignment/rotation_fit.h"
 
 namespace trilat {
 namespace {
-
-constexpr double kDegenerateRatio = 1e-9;
-
-// Horn 1987: the unit quaternion of the largest eigenvalue of N, made of S = cross. N's eigenvalues are sums
-// of S's singular values, and the gap of the two largest is 2 (s_2 + sign(det) s_3).
-Eigen::Matrix4d horn_matrix(const Eigen::Matrix3d& s) {
-  const Eigen::Vector3d twist{s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0)};
-  Eigen::Matrix4d n;
-  n(0, 0) = s.trace();
-  n.block<1, 3>(0, 1) = twist.transpose();
-  n.block<3, 1>(1, 0) = twist;
-  n.block<3, 3>(1, 1) = s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity();
-  return n;
-}
 
 void solve_rigid(const AlignmentSums& sums, Alignment& result) {
   if (!sums.cross_m2().allFinite() || !sums.mean_estimate_m().allFinite() ||
@@ -33,14 +19,12 @@ void solve_rigid(const AlignmentSums& sums, Alignment& result) {
     result.status = AlignmentStatus::not_finite;
     return;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(horn_matrix(sums.cross_m2()));
-  const Eigen::Vector4d& value = eigen.eigenvalues();
-  if (!(value[3] - value[2] > kDegenerateRatio * value[3])) {
+  const RotationFit fit = fit_rotation(sums.cross_m2().transpose());
+  if (!fit.is_determined) {
     result.status = AlignmentStatus::degenerate;
     return;
   }
-  const Eigen::Vector4d q = eigen.eigenvectors().col(3);
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  const Eigen::Quaterniond rotation(fit.b_from_a);
   result.truth_from_estimate = {rotation, sums.mean_truth_m() - rotation * sums.mean_estimate_m()};
 }
 
@@ -141,19 +125,14 @@ PointFit fit_points(std::span<const Eigen::Vector3d> a, std::span<const Eigen::V
     spread_a += w / sum * (pa - mean_a).squaredNorm();
     spread_b += w / sum * (pb - mean_b).squaredNorm();
   });
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d& s = svd.singularValues();
-  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
-  const Eigen::Matrix3d rotation =
-      svd.matrixU() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
+  const RotationFit rotation = fit_rotation(cross);
   const auto rms_m = [&](double trace) {
     return std::sqrt(std::max(0.0, spread_a + spread_b - 2.0 * trace));
   };
-  const double agreement = s[0] + s[1] + sign * s[2];
-  fit.b_from_a = {Eigen::Quaterniond(rotation), mean_b - rotation * mean_a};
-  fit.scale = agreement / spread_a;
-  fit.rms_m = rms_m(agreement);
-  fit.mirrored_rms_m = rms_m(s[0] + s[1] - sign * s[2]);
+  fit.b_from_a = {Eigen::Quaterniond(rotation.b_from_a), mean_b - rotation.b_from_a * mean_a};
+  fit.scale = rotation.trace / spread_a;
+  fit.rms_m = rms_m(rotation.trace);
+  fit.mirrored_rms_m = rms_m(rotation.mirrored_trace);
   return fit;
 }
 

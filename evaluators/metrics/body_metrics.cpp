@@ -3,13 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include "datasets/base/error.h"
+#include "evaluators/alignment/rotation_fit.h"
 
 namespace trilat {
 namespace {
@@ -37,36 +33,6 @@ bool spans_plane(std::span<const Eigen::Vector3d> points_m) {
   return points_m.size() >= 3 && spans_plane(scatter_m2);
 }
 
-// The rotation R with the largest trace(R^T m), from the singular values.
-Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& m) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs = Eigen::Vector3d::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-}
-
-// The same, where it is well determined, else nothing, by Markley's fast optimal attitude matrix (1993): the
-// largest root of the characteristic polynomial is the sum of m's singular values, the last with the sign of
-// its determinant.
-std::optional<Eigen::Matrix3d> quick_rotation(const Eigen::Matrix3d& m) {
-  constexpr int kMost = 30;
-  constexpr double kSettled = 1e-14, kWell = 1e-3;
-  const double squares = m.squaredNorm(), determinant = m.determinant();
-  Eigen::Matrix3d cofactors;
-  cofactors << m.row(1).cross(m.row(2)), m.row(2).cross(m.row(0)), m.row(0).cross(m.row(1));
-  const double last = squares * squares - 4.0 * cofactors.squaredNorm();
-  double sum = std::sqrt(3.0 * squares);  // no smaller than the root, so that Newton's steps only fall
-  for (int i = 0; i < kMost; ++i) {
-    const double value = ((sum * sum - 2.0 * squares) * sum - 8.0 * determinant) * sum + last;
-    const double step = value / (4.0 * (sum * sum - squares) * sum - 8.0 * determinant);
-    sum -= step;
-    if (!(step > kSettled * sum)) break;
-  }
-  const double half = 0.5 * (sum * sum - squares), product = half * sum - determinant;
-  if (!(product > kWell * squares * std::sqrt(squares))) return std::nullopt;
-  return Eigen::Matrix3d(((half + squares) * m + sum * cofactors - m * (m.transpose() * m)) / product);
-}
-
 }  // namespace
 
 ProcrustesTruth::ProcrustesTruth(std::span<const Eigen::Vector3d> truth_m)
@@ -92,13 +58,10 @@ double ProcrustesTruth::pa_mpjpe_m(std::span<const Eigen::Vector3d> estimate_m) 
   }
   const Eigen::Matrix3d cross_m2 = (Eigen::Matrix3d() << x, y, z).finished();
   if (!cross_m2.allFinite()) return kNaN;
-  std::optional<Eigen::Matrix3d> rotation = quick_rotation(cross_m2);
-  if (!rotation) {
-    if (!spans_plane(estimate_m)) return kNaN;
-    rotation = rotation_by_svd(cross_m2);
-  }
-  const double scale = rotation->cwiseProduct(cross_m2).sum() / (squares_m2 - sum.squaredNorm() / n);
-  const Eigen::Matrix3d turned_and_scaled = scale * *rotation;
+  if (!spans_plane(estimate_m)) return kNaN;
+  const RotationFit fit = fit_rotation(cross_m2);
+  const double scale = fit.trace / (squares_m2 - sum.squaredNorm() / n);
+  const Eigen::Matrix3d turned_and_scaled = scale * fit.b_from_a;
   const Eigen::Vector3d shift_m = turned_and_scaled * (estimate_m[0] + sum / n);
   double sum_m = 0.0;
   for (std::size_t j = 0; j < estimate_m.size(); ++j)

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
+#include "evaluators/alignment/rotation_fit.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {
@@ -32,14 +32,6 @@ Eigen::Matrix3d best_axes(const Eigen::Matrix3d& products, bool mirrored) {
     }
   }
   return found;
-}
-
-// The rotation of Kabsch 1976, or the best of the mirrored ones.
-Eigen::Matrix3d best_turn(const Eigen::Matrix3d& products, bool mirrored) {
-  if (!products.allFinite()) return Eigen::Matrix3d::Identity();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() * (mirrored ? -1.0 : 1.0);
-  return svd.matrixV() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixU().transpose();
 }
 
 std::size_t block_at(const StreamPair& pair, const TimeBlocks& blocks, std::size_t instant) {
@@ -134,10 +126,11 @@ FrameFit fit_frame(const FrameSums& sums, FrameChange kind, bool mirrored) {
     products -= sums.pairs * subject_m * reference_m.transpose();
     squares_m2 -= sums.pairs * (reference_m.squaredNorm() + subject_m.squaredNorm());
   }
-  if (kind == FrameChange::turned)
-    fit.rotation = best_turn(products, mirrored);
-  else if (kind >= FrameChange::axes)
-    fit.rotation = best_axes(products, mirrored);
+  if (kind == FrameChange::turned && products.allFinite()) {
+    const RotationFit turn = fit_rotation(products.transpose());
+    fit.rotation = mirrored ? turn.mirrored_b_from_a : turn.b_from_a;
+  }
+  if (kind >= FrameChange::axes && kind != FrameChange::turned) fit.rotation = best_axes(products, mirrored);
   if (is_shifted) fit.shift_m = reference_m - fit.rotation * subject_m;
   fit.squares_m2 = std::max(0.0, squares_m2 - 2.0 * (fit.rotation * products).trace());
   return fit;
