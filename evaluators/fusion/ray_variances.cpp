@@ -2,115 +2,73 @@
 #include "evaluators/fusion/ray_variances.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <vector>
 
 #include <Eigen/LU>
 
 #include "datasets/base/error.h"
 #include "evaluators/metrics/student.h"
+#include "evaluators/solvers/descent.h"
 
 namespace trilat {
 namespace {
 
 constexpr std::size_t kFewestRayClusters = 5;
 constexpr double kUselessFactor = 100.0;  // between the ends of an interval of the ratio
+constexpr double kMinSigma_m = 1e-4;
 
-// Sums over one instant's sensors: squared residuals in sigmas, and their degrees of freedom. Of tracked
-// joints along the rays and across them, of inferred ones both together.
+// Of tracked joints along the rays and across them, of inferred ones both together.
 enum Component { along_rays, across_rays, inferred_joints };
+
+// Sums over sensors: squared residuals in sigmas, and their degrees of freedom.
 struct Disagreement {
   Eigen::Array3d square = Eigen::Array3d::Zero(), freedom = Eigen::Array3d::Zero();
-  void add(const Disagreement& other) {
-    square += other.square;
-    freedom += other.freedom;
-  }
 };
 
-struct Instants {
-  std::vector<JointObservation> observations;  // inferred ones where they are enough
-  std::span<const RigidTransform> rig;
-  std::vector<std::uint32_t> cluster;
-  std::vector<std::optional<Eigen::Vector3d>> position_m;  // with the sigmas last tried, near the next
-  int components = 2;
-  std::size_t size() const { return cluster.size(); }
-  std::span<const JointObservation> of(std::size_t i) const {
-    return std::span(observations).subspan(i * rig.size(), rig.size());
-  }
-};
-
-Instants useful_instants(std::span<const JointObservation> observations, std::span<const RigidTransform> rig,
-                         std::span<const std::uint32_t> cluster) {
-  Instants instants{{}, rig, {}, {}};
-  const auto inferred = std::ranges::count_if(
-      observations, [](const JointObservation& o) { return o.seen && o.state == TrackingState::inferred; });
-  if (static_cast<std::size_t>(inferred) >= kFewestInferred) instants.components = 3;
-  for (std::size_t i = 0; i < cluster.size(); ++i) {
-    std::vector<JointObservation> seen(rig.size());
-    std::size_t count = 0;
-    for (std::size_t s = 0; s < rig.size(); ++s) {
-      const JointObservation& o = observations[i * rig.size() + s];
-      if (!o.seen || (o.state != TrackingState::tracked && instants.components == 2)) continue;
-      seen[s] = o;
-      ++count;
-    }
-    if (count < 2) continue;
-    instants.observations.insert(instants.observations.end(), seen.begin(), seen.end());
-    instants.cluster.push_back(cluster[i]);
-  }
-  instants.position_m.resize(instants.size());
-  return instants;
+Eigen::Vector3d ray_of(const RayViews& row, const RigidTransform& pose) {
+  const Eigen::Vector3d v = row.position_m - pose.translation_m;
+  return v / std::max(v.norm(), kOnSensor_m);
 }
 
-Disagreement disagreement_at(Instants& instants, std::size_t i, const RaySigma& sigma) {
-  constexpr double kTolerance_m = 1e-6;  // changes squares of centimetres by less than a part in a million
-  const std::span<const JointObservation> seen = instants.of(i);
-  const std::span<const RigidTransform> rig = instants.rig;
-  const PointEstimate estimate = solve_range_bearing(
-      seen, rig, {.sigma = sigma, .step_tolerance_m = kTolerance_m, .start_m = instants.position_m[i]});
-  Disagreement result;
-  if (!is_usable(estimate.status)) return result;
-  instants.position_m[i] = estimate.position_m;
-  std::array<Eigen::Matrix3d, 3> information;
-  information.fill(Eigen::Matrix3d::Zero());
-  for (std::size_t s = 0; s < rig.size(); ++s) {
-    if (!seen[s].seen) continue;
-    const Eigen::Vector3d v = estimate.position_m - rig[s].translation_m, e = v.normalized();
-    const Eigen::Vector3d u = (seen[s].point_in_world_m - rig[s].translation_m).normalized();
-    const Eigen::Vector3d off_m = v - u.dot(v) * u;
-    const bool tracked = seen[s].state == TrackingState::tracked;
-    const double factor = tracked ? 1.0 : sigma.inferred_factor;
-    const double range_m = factor * sigma.range_m, bearing_m = factor * sigma.bearing_m;
-    const auto add = [&](Component component, double square, double freedom, const Eigen::Matrix3d& part) {
-      const Component where = tracked ? component : inferred_joints;
-      result.square[where] += square;
-      result.freedom[where] += freedom;
-      information[where] += part;
-    };
-    add(along_rays, std::pow((v.norm() - seen[s].range_m) / range_m, 2), 1.0,
-        e * e.transpose() / (range_m * range_m));
-    add(across_rays, off_m.squaredNorm() / (bearing_m * bearing_m), 2.0,
-        (Eigen::Matrix3d::Identity() - u * u.transpose()) / (bearing_m * bearing_m));
+double range_variance(const RaySigma& sigma, bool inferred) {
+  return std::pow((inferred ? sigma.inferred_factor : 1.0) * sigma.range_m, 2);
+}
+double bearing_variance(const RaySigma& sigma, bool inferred) {
+  return std::pow((inferred ? sigma.inferred_factor : 1.0) * sigma.bearing_m, 2);
+}
+
+// Of a row that is placed. Its place, which is unknown, takes 3 degrees of freedom in all.
+void add_disagreement(const RayViews& row, std::span<const RigidTransform> rig, const RaySigma& sigma,
+                      Disagreement& sum) {
+  const double trace = row.covariance.trace();
+  for (const RayView& view : row.views) {
+    const Eigen::Vector3d u = ray_of(row, rig[view.sensor]), e = view.straight_m - row.position_m;
+    const double range2 = range_variance(sigma, view.inferred);
+    const double bearing2 = bearing_variance(sigma, view.inferred);
+    const double along2 = std::pow(e.dot(u), 2), across2 = std::max(0.0, e.squaredNorm() - along2);
+    const double place_along2 = u.dot(row.covariance * u);
+    const Component along = view.inferred ? inferred_joints : along_rays;
+    const Component across = view.inferred ? inferred_joints : across_rays;
+    sum.square[along] += along2 / range2;
+    sum.square[across] += across2 / bearing2;
+    sum.freedom[along] += 1.0 - place_along2 / range2;
+    sum.freedom[across] += 2.0 - (trace - place_along2) / bearing2;
   }
-  // what the unknown place takes: 3 in all
-  const Eigen::Matrix3d covariance = (information[0] + information[1] + information[2]).inverse();
-  for (int c = 0; c < 3; ++c) result.freedom[c] -= (covariance * information[c]).trace();
-  return result;
 }
 
 // What each component's squares lack of their degrees of freedom, of each cluster: 0 on average at the true
 // sigmas.
-std::vector<Eigen::Vector3d> scores(Instants& instants, const RaySigma& sigma) {
-  std::map<std::uint32_t, Eigen::Vector3d> of_cluster;
-  for (std::size_t i = 0; i < instants.size(); ++i) {
-    const Disagreement d = disagreement_at(instants, i, sigma);
-    of_cluster.try_emplace(instants.cluster[i], Eigen::Vector3d::Zero()).first->second +=
-        (d.freedom - d.square).matrix();
+std::vector<Eigen::Vector3d> scores(RayRows& rows, std::span<const RigidTransform> rig,
+                                    const RaySigma& sigma) {
+  constexpr int kPlacings = 3;
+  std::map<std::uint32_t, Disagreement> of_cluster;
+  for (RayViews& row : rows.rows) {
+    for (int k = 0; k < kPlacings; ++k) place(row, rig, sigma);
+    add_disagreement(row, rig, sigma, of_cluster[row.cluster]);
   }
   std::vector<Eigen::Vector3d> list;
-  for (const auto& [cluster, score] : of_cluster) list.push_back(score);
+  for (const auto& [cluster, d] : of_cluster) list.emplace_back((d.freedom - d.square).matrix());
   return list;
 }
 
@@ -118,32 +76,6 @@ Eigen::Vector3d sum_of(const std::vector<Eigen::Vector3d>& list) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& one : list) sum += one;
   return sum;
-}
-
-// Of inferred joints one factor stands for both of their sigmas, which move with those of tracked ones.
-RaySigma scaled(const RaySigma& sigma, const Eigen::Array3d& factor) {
-  const double tracked = std::sqrt(factor[along_rays] * factor[across_rays]);
-  return {sigma.range_m * factor[along_rays], sigma.bearing_m * factor[across_rays],
-          sigma.inferred_factor * factor[inferred_joints] / tracked};
-}
-
-// Each variance is scaled by its squares over their freedom until both agree. False without an end.
-bool converge(Instants& instants, RaySigma& sigma) {
-  constexpr int kMostIterations = 200;
-  constexpr double kTolerance = 1e-5;
-  for (int k = 0; k < kMostIterations; ++k) {
-    Disagreement sum;
-    for (std::size_t i = 0; i < instants.size(); ++i) {
-      sum.add(disagreement_at(instants, i, sigma));
-    }
-    const auto used = Eigen::seqN(0, instants.components);
-    if (!(sum.square(used).minCoeff() > 0.0) || !(sum.freedom(used).minCoeff() > 0.0)) return false;
-    Eigen::Array3d factor = (sum.square / sum.freedom).sqrt();
-    if (instants.components == 2) factor[inferred_joints] = std::sqrt(factor[0] * factor[1]);
-    sigma = scaled(sigma, factor);
-    if ((factor - 1.0).abs().maxCoeff() < kTolerance) return true;
-  }
-  return false;
 }
 
 // Moves one log sigma and leaves the others where they are.
@@ -155,16 +87,16 @@ RaySigma moved(RaySigma sigma, int component, double step) {
 }
 
 // Covariance of log sigma, robust against correlation within clusters.
-Eigen::Matrix2d sandwich(Instants& instants, const RaySigma& sigma) {
+Eigen::Matrix2d sandwich(RayRows& rows, std::span<const RigidTransform> rig, const RaySigma& sigma) {
   constexpr double kStep = 0.01;
-  const int count = instants.components;
+  const int count = rows.with_inferred ? 3 : 2;
   Eigen::MatrixXd slope(count, count);
   for (int c = 0; c < count; ++c) {
-    const Eigen::Vector3d change =
-        sum_of(scores(instants, moved(sigma, c, kStep))) - sum_of(scores(instants, moved(sigma, c, -kStep)));
+    const Eigen::Vector3d change = sum_of(scores(rows, rig, moved(sigma, c, kStep))) -
+                                   sum_of(scores(rows, rig, moved(sigma, c, -kStep)));
     slope.col(c) = change.head(count) / (2.0 * kStep);
   }
-  const std::vector<Eigen::Vector3d> list = scores(instants, sigma);
+  const std::vector<Eigen::Vector3d> list = scores(rows, rig, sigma);
   Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(count, count);
   for (const Eigen::Vector3d& score : list) spread += score.head(count) * score.head(count).transpose();
   const auto clusters = static_cast<double>(list.size());
@@ -178,34 +110,97 @@ RayInterval interval(double value, double log_variance, std::size_t clusters) {
   return {value * std::exp(-reach), value * std::exp(reach)};
 }
 
-std::size_t clusters_of(std::vector<std::uint32_t> cluster) {
-  std::ranges::sort(cluster);
-  return static_cast<std::size_t>(std::unique(cluster.begin(), cluster.end()) - cluster.begin());
+std::size_t clusters_of(const RayRows& rows) {
+  std::vector<std::uint32_t> clusters;
+  for (const RayViews& row : rows.rows) clusters.push_back(row.cluster);
+  std::ranges::sort(clusters);
+  return static_cast<std::size_t>(std::unique(clusters.begin(), clusters.end()) - clusters.begin());
 }
 
 }  // namespace
 
+RayRows ray_rows(std::span<const JointObservation> observations, std::size_t sensors,
+                 std::span<const std::uint32_t> cluster) {
+  TRILAT_CHECK(observations.size() == sensors * cluster.size() && sensors <= kMaxSensors,
+               "every row has an observation of every sensor");
+  const auto inferred = std::ranges::count_if(
+      observations, [](const JointObservation& o) { return o.seen && o.state == TrackingState::inferred; });
+  RayRows result{{}, static_cast<std::size_t>(inferred) >= kFewestInferred};
+  for (std::size_t i = 0; i < cluster.size(); ++i) {
+    RayViews row{.cluster = cluster[i], .views = {}};
+    for (std::size_t s = 0; s < sensors; ++s) {
+      const JointObservation& o = observations[i * sensors + s];
+      const bool is_inferred = o.state == TrackingState::inferred;
+      if (!o.seen || !(o.range_m > kOnSensor_m) || (is_inferred && !result.with_inferred)) continue;
+      row.views.push_back({s, is_inferred, o.point_in_world_m, o.point_in_world_m, {}});
+      row.position_m += o.point_in_world_m;
+    }
+    if (row.views.size() < 2) continue;
+    row.position_m /= static_cast<double>(row.views.size());
+    result.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+void place(RayViews& row, std::span<const RigidTransform> rig, const RaySigma& sigma) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (RayView& view : row.views) {
+    const Eigen::Vector3d u = ray_of(row, rig[view.sensor]);
+    const double along = 1.0 / range_variance(sigma, view.inferred);
+    const double across = 1.0 / bearing_variance(sigma, view.inferred);
+    view.weight = across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose();
+    const Eigen::Vector3d v = view.point_m - rig[view.sensor].translation_m;
+    view.straight_m = view.point_m + (v.norm() - v.dot(u)) * u;
+    information += view.weight;
+    right += view.weight * view.straight_m;
+  }
+  row.covariance = information.inverse();
+  row.position_m = row.covariance * right;
+}
+
+// Of inferred joints one factor stands for both of their sigmas, which move with those of tracked ones.
+bool converge(RayRows& rows, std::span<const RigidTransform> rig, double tolerance, int most_rounds,
+              RaySigma& sigma) {
+  for (int k = 0; k < most_rounds; ++k) {
+    Disagreement sum;
+    for (RayViews& row : rows.rows) {
+      place(row, rig, sigma);
+      add_disagreement(row, rig, sigma, sum);
+    }
+    Eigen::Array3d factor = (sum.square / sum.freedom.max(1e-9)).sqrt();
+    const double tracked = std::sqrt(factor[along_rays] * factor[across_rays]);
+    if (!rows.with_inferred) factor[inferred_joints] = tracked;
+    sigma.range_m = std::max(kMinSigma_m, sigma.range_m * factor[along_rays]);
+    sigma.bearing_m = std::max(kMinSigma_m, sigma.bearing_m * factor[across_rays]);
+    sigma.inferred_factor =
+        std::clamp(sigma.inferred_factor * factor[inferred_joints] / std::max(tracked, 1e-9), 0.2, 50.0);
+    if ((factor - 1.0).abs().maxCoeff() < tolerance) return true;
+  }
+  return false;
+}
+
 RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observations,
                                     std::span<const RigidTransform> world_from_sensor,
                                     std::span<const std::uint32_t> cluster) {
-  TRILAT_CHECK(observations.size() == world_from_sensor.size() * cluster.size(),
-               "every instant has an observation of every sensor");
-  Instants instants = useful_instants(observations, world_from_sensor, cluster);
+  constexpr double kTolerance = 1e-5;
+  constexpr int kMostRounds = 200;
+  RayRows rows = ray_rows(observations, world_from_sensor.size(), cluster);
   RaySigmaEstimate result;
-  result.instants = instants.size();
-  result.clusters = clusters_of(instants.cluster);
+  result.instants = rows.rows.size();
+  result.clusters = clusters_of(rows);
   if (result.clusters < kFewestRayClusters) {
     result.problem = "fewer than " + std::to_string(kFewestRayClusters) +
                      " stretches of time in which two sensors track the joint";
     return result;
   }
   RaySigma sigma;
-  if (!converge(instants, sigma)) {
+  if (!converge(rows, world_from_sensor, kTolerance, kMostRounds, sigma)) {
     result.problem =
         "the disagreement of these sensors does not tell errors along their rays from those across";
     return result;
   }
-  const Eigen::Matrix2d covariance = sandwich(instants, sigma);
+  const Eigen::Matrix2d covariance = sandwich(rows, world_from_sensor, sigma);
   const double ratio_variance = covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1);
   const RayInterval ratio = interval(sigma.range_m / sigma.bearing_m, ratio_variance, result.clusters);
   if (!(ratio.high < kUselessFactor * ratio.low)) {

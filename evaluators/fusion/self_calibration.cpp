@@ -20,11 +20,12 @@ namespace {
 
 constexpr int kParameters = 7;  // of a sensor
 constexpr std::size_t kFewestRows = 20;
-constexpr int kRounds = 8, kRobustPasses = 3;
+constexpr int kMinRounds = 8, kMostRounds = 40, kRobustPasses = 3;
+constexpr double kSettled = 0.1;      // standard deviations
 constexpr int kFirstOfPriors = 2;     // round from which the priors are estimated
 constexpr double kStatedCount = 8.0;  // parameters of sensors that the stated priors count as
 constexpr double kLossScale = 3.0;    // sigmas
-constexpr double kLeastSigma_m = 1e-4;
+constexpr double kVarianceTolerance = 1e-4;
 constexpr double kNormalQuantile = 1.959964;  // of 95 %
 constexpr double kLeastPrior = 1e-4;          // rad or m
 
@@ -34,66 +35,44 @@ Eigen::Quaterniond turned_back(const Eigen::Vector3d& turn_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(-angle_rad, turn_rad / angle_rad));
 }
 
-struct View {
-  std::size_t sensor = 0;
-  bool inferred = false;
-  Eigen::Vector3d stated_m, point_m;  // as the calibration has it, and corrected
-  // As far along the ray to the joint's place as it is from its sensor, and as far across as it is: what the
-  // point would be if rays were parallel.
-  Eigen::Vector3d straight_m;
-  Eigen::Matrix3d weight;  // its inverse covariance
-};
-
-// One joint at one instant as two sensors or more see it.
-struct Row {
-  std::uint32_t joint = 0;
-  std::vector<View> views;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-};
-
 class Calibrator {
  public:
   Calibrator(std::span<const JointObservation> observations, std::span<const RigidTransform> rig,
              std::span<const std::uint32_t> joint, const CorrectionPriors& priors)
-      : rig_(rig), stated_priors_(priors), priors_(priors), theta_(Eigen::VectorXd::Zero(size())) {
-    read_rows(observations, joint);
+      : rig_(rig),
+        stated_priors_(priors),
+        priors_(priors),
+        rows_(ray_rows(observations, rig.size(), joint)),
+        theta_(Eigen::VectorXd::Zero(size())) {
+    for (const RayViews& row : rows_.rows) {
+      joints_.try_emplace(row.cluster, joints_.size());
+      for (const RayView& view : row.views) stated_m_.push_back(view.point_m);
+    }
   }
 
-  std::size_t rows() const { return rows_.size(); }
+  std::size_t rows() const { return rows_.rows.size(); }
   std::size_t joints() const { return joints_.size(); }
 
   SelfCalibration run() {
-    for (int round = 0; round < kRounds; ++round) {
+    double moved = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMostRounds && (round < kMinRounds || !(moved <= kSettled)); ++round) {
       correct();
-      if (round == 0) start_at_means();
-      estimate_variances(round == 0 ? 25 : 8);
+      converge(rows_, poses_, kVarianceTolerance, round == 0 ? 25 : 8, sigma_);
       place_robustly();
-      step(round);
+      moved = step(round);
     }
+    if (!(moved <= kSettled)) {
+      SelfCalibration unsettled;
+      unsettled.problem = "the corrections still move after " + std::to_string(kMostRounds) + " rounds";
+      return unsettled;
+    }
+    // few sensors tell little of their own priors: what is said to be known counts the stated ones, too
+    covariance_ = (information_ + precision_of(estimated_priors(kStatedCount))).inverse();
     return result();
   }
 
  private:
   Eigen::Index size() const { return kParameters * static_cast<Eigen::Index>(rig_.size()); }
-
-  void read_rows(std::span<const JointObservation> observations, std::span<const std::uint32_t> joint) {
-    const auto inferred = std::ranges::count_if(
-        observations, [](const JointObservation& o) { return o.seen && o.state == TrackingState::inferred; });
-    with_inferred_ = static_cast<std::size_t>(inferred) >= kFewestInferred;
-    for (std::size_t i = 0; i < joint.size(); ++i) {
-      Row row{.joint = joint[i], .views = {}};
-      for (std::size_t s = 0; s < rig_.size(); ++s) {
-        const JointObservation& o = observations[i * rig_.size() + s];
-        const bool is_inferred = o.state == TrackingState::inferred;
-        if (!o.seen || !(o.range_m > kOnSensor_m) || (is_inferred && !with_inferred_)) continue;
-        row.views.push_back({s, is_inferred, o.point_in_world_m, o.point_in_world_m, o.point_in_world_m, {}});
-      }
-      if (row.views.size() < 2) continue;
-      joints_.try_emplace(row.joint, joints_.size());
-      rows_.push_back(std::move(row));
-    }
-  }
 
   SensorCorrection correction_of(std::size_t s) const {
     const auto of = theta_.segment<kParameters>(kParameters * static_cast<Eigen::Index>(s));
@@ -112,92 +91,28 @@ class Calibrator {
       back.push_back(turned_back(c.turn_rad).toRotationMatrix());
       poses_.push_back(corrected_pose(rig_[s], c));
     }
-    for (Row& row : rows_)
-      for (View& view : row.views) {
-        const Eigen::Vector3d v = back[view.sensor] * (view.stated_m - rig_[view.sensor].translation_m);
+    auto stated_m = stated_m_.begin();
+    for (RayViews& row : rows_.rows)
+      for (RayView& view : row.views) {
+        const Eigen::Vector3d v = back[view.sensor] * (*stated_m++ - rig_[view.sensor].translation_m);
         const double offset_m = theta_[kParameters * static_cast<Eigen::Index>(view.sensor) + 6];
         view.point_m = poses_[view.sensor].translation_m + v * (1.0 - offset_m / v.norm());
       }
-  }
-
-  void start_at_means() {
-    for (Row& row : rows_) {
-      row.position_m.setZero();
-      for (const View& view : row.views)
-        row.position_m += view.point_m / static_cast<double>(row.views.size());
-    }
-  }
-
-  Eigen::Vector3d ray_of(const Row& row, const View& view) const {
-    const Eigen::Vector3d v = row.position_m - poses_[view.sensor].translation_m;
-    return v / std::max(v.norm(), kOnSensor_m);
-  }
-
-  // Weights at the row's place, and the place that they give.
-  void place(Row& row) {
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (View& view : row.views) {
-      const Eigen::Vector3d u = ray_of(row, view);
-      const double factor = view.inferred ? sigma_.inferred_factor : 1.0;
-      const double across = 1.0 / (factor * factor * sigma_.bearing_m * sigma_.bearing_m);
-      const double along = 1.0 / (factor * factor * sigma_.range_m * sigma_.range_m);
-      view.weight = across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose();
-      const Eigen::Vector3d v = view.point_m - poses_[view.sensor].translation_m;
-      view.straight_m = view.point_m + (v.norm() - v.dot(u)) * u;
-      information += view.weight;
-      right += view.weight * view.straight_m;
-    }
-    row.covariance = information.inverse();
-    row.position_m = row.covariance * right;
-  }
-
-  // Each variance is scaled by its squares over their degrees of freedom until both agree.
-  void estimate_variances(int most_iterations) {
-    constexpr double kTolerance = 1e-4;
-    for (int k = 0; k < most_iterations; ++k) {
-      Eigen::Array3d square = Eigen::Array3d::Zero(), freedom = Eigen::Array3d::Zero();
-      for (Row& row : rows_) {
-        place(row);
-        const double trace = row.covariance.trace();
-        for (const View& view : row.views) {
-          const Eigen::Vector3d u = ray_of(row, view), e = view.straight_m - row.position_m;
-          const double factor = view.inferred ? sigma_.inferred_factor : 1.0;
-          const double range2 = std::pow(factor * sigma_.range_m, 2);
-          const double bearing2 = std::pow(factor * sigma_.bearing_m, 2);
-          const double along2 = std::pow(e.dot(u), 2), across2 = std::max(0.0, e.squaredNorm() - along2);
-          const double place_along2 = u.dot(row.covariance * u);
-          const int along = view.inferred ? 2 : 0, across = view.inferred ? 2 : 1;
-          square[along] += along2 / range2;
-          square[across] += across2 / bearing2;
-          freedom[along] += 1.0 - place_along2 / range2;
-          freedom[across] += 2.0 - (trace - place_along2) / bearing2;
-        }
-      }
-      Eigen::Array3d factor = (square / freedom.max(1e-9)).sqrt();
-      const double tracked = std::sqrt(factor[0] * factor[1]);
-      if (!with_inferred_) factor[2] = tracked;
-      sigma_.range_m = std::max(kLeastSigma_m, sigma_.range_m * factor[0]);
-      sigma_.bearing_m = std::max(kLeastSigma_m, sigma_.bearing_m * factor[1]);
-      sigma_.inferred_factor =
-          std::clamp(sigma_.inferred_factor * factor[2] / std::max(tracked, 1e-9), 0.2, 50.0);
-      if ((factor - 1.0).abs().maxCoeff() < kTolerance) return;
-    }
   }
 
   // Places by M-estimates; the weights stay with the views. The curvature of Cauchy's loss is less than they
   // say.
   void place_robustly() {
     double curvature = 0.0, weights = 0.0;
-    for (Row& row : rows_) {
-      place(row);
+    for (RayViews& row : rows_.rows) {
+      place(row, poses_, sigma_);
       std::array<Eigen::Matrix3d, kMaxSensors> full;
       for (std::size_t k = 0; k < row.views.size(); ++k) full[k] = row.views[k].weight;
       for (int pass = 0; pass < kRobustPasses; ++pass) {
         Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
         for (std::size_t k = 0; k < row.views.size(); ++k) {
-          View& view = row.views[k];
+          RayView& view = row.views[k];
           const Eigen::Vector3d e = view.straight_m - row.position_m;
           view.weight = full[k] / (1.0 + e.dot(full[k] * e) / (kLossScale * kLossScale));
           information += view.weight;
@@ -217,7 +132,7 @@ class Calibrator {
   }
 
   // How the view's corrected point moves with its sensor's turn, shift and range offset.
-  Eigen::Matrix<double, 3, kParameters> design(const View& view) const {
+  Eigen::Matrix<double, 3, kParameters> design(const RayView& view) const {
     const Eigen::Vector3d v = view.point_m - poses_[view.sensor].translation_m;
     Eigen::Matrix<double, 3, kParameters> design;
     design.leftCols<3>() << 0.0, v.z(), -v.y(), -v.z(), 0.0, v.x(), v.y(), -v.x(), 0.0;
@@ -226,31 +141,30 @@ class Calibrator {
     return design;
   }
 
-  void step(int round) {
+  // The largest change of a parameter, in its standard deviations.
+  double step(int round) {
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size(), size());
     Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(joints_.size()), size());
-    for (const Row& row : rows_) add(row, information, scores);
+    for (const RayViews& row : rows_.rows) add(row, information, scores);
     information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
     design_effect_ = design_effect(information, scores, round == 0);
-    information *= curvature_ * curvature_ / design_effect_;
+    information_ = information * curvature_ * curvature_ / design_effect_;
     const Eigen::MatrixXd precision = precision_of(priors_);
     const Eigen::VectorXd right =
         scores.colwise().sum().transpose() * curvature_ / design_effect_ - precision * theta_;
-    covariance_ = (information + precision).inverse();
-    theta_ += covariance_ * right;
-    // few sensors tell little of their own priors: what is said to be known counts the stated ones, too
-    if (round == kRounds - 1)
-      covariance_ = (information + precision_of(estimated_priors(kStatedCount))).inverse();
-    else if (round >= kFirstOfPriors)
-      priors_ = only_narrower(estimated_priors(0.0));
+    covariance_ = (information_ + precision).inverse();
+    const Eigen::VectorXd change = covariance_ * right;
+    theta_ += change;
+    if (round >= kFirstOfPriors) priors_ = only_narrower(estimated_priors(0.0));
+    return (change.array().abs() / covariance_.diagonal().array().sqrt()).maxCoeff();
   }
 
   // The row's part of the normal equations, its place eliminated.
-  void add(const Row& row, Eigen::MatrixXd& information, Eigen::MatrixXd& scores) const {
-    const auto joint = static_cast<Eigen::Index>(joints_.at(row.joint));
+  void add(const RayViews& row, Eigen::MatrixXd& information, Eigen::MatrixXd& scores) const {
+    const auto joint = static_cast<Eigen::Index>(joints_.at(row.cluster));
     std::array<Eigen::Matrix<double, 3, kParameters>, kMaxSensors> weighted, placed;
     for (std::size_t k = 0; k < row.views.size(); ++k) {
-      const View& view = row.views[k];
+      const RayView& view = row.views[k];
       const Eigen::Matrix<double, 3, kParameters> of = design(view);
       weighted[k] = view.weight * of;
       placed[k] = row.covariance * weighted[k];
@@ -342,8 +256,8 @@ class Calibrator {
       result.of_sensor.back().residual_rms_m = 0.0;
       result.of_sensor.back().covariance = covariance_.block<kParameters, kParameters>(at, at);
     }
-    for (const Row& row : rows_)
-      for (const View& view : row.views) {
+    for (const RayViews& row : rows_.rows)
+      for (const RayView& view : row.views) {
         SensorCorrection& of = result.of_sensor[view.sensor];
         ++of.views;
         of.residual_rms_m += (view.straight_m - row.position_m).squaredNorm() / 3.0;
@@ -355,13 +269,13 @@ class Calibrator {
 
   std::span<const RigidTransform> rig_;
   CorrectionPriors stated_priors_, priors_;
-  bool with_inferred_ = false;
-  std::vector<Row> rows_;
+  RayRows rows_;                                 // their clusters are joints, and their points corrected
+  std::vector<Eigen::Vector3d> stated_m_;        // the points of all views as the calibration has them
   std::map<std::uint32_t, std::size_t> joints_;  // their numbers
   std::vector<RigidTransform> poses_;            // corrected
   RaySigma sigma_{0.05, 0.05, 3.0};
   Eigen::VectorXd theta_;
-  Eigen::MatrixXd covariance_;
+  Eigen::MatrixXd information_, covariance_;
   double curvature_ = 1.0;  // of the loss, over the weights
   double design_effect_ = 1.0;
 };
@@ -421,13 +335,13 @@ SelfCalibration self_calibrate(std::span<const JointObservation> observations,
                "priors are greater than 0");
   Calibrator calibrator(observations, world_from_sensor, joint, priors);
   SelfCalibration result;
-  result.of_sensor.resize(world_from_sensor.size());
   if (calibrator.rows() < kFewestRows)
     result.problem = "fewer than " + std::to_string(kFewestRows) + " times do two sensors see the same joint";
   else if (calibrator.joints() < 3)
     result.problem = "fewer than 3 joints are seen by two sensors";
   else
     result = calibrator.run();
+  if (!result.problem.empty()) result.of_sensor.assign(world_from_sensor.size(), {});
   result.rows = calibrator.rows();
   result.joints = calibrator.joints();
   return result;

@@ -50,19 +50,20 @@ struct CorrectionMagnitudes {
 CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor);
 
 // What a rig shows of its own calibration by the joints of one person, without truth: for each sensor a turn
-// about its position, a shift and an offset of its ranges, with normal priors. Each round estimates the
-// variances along and across the rays (restricted maximum likelihood, as estimate_ray_sigma()), linearises,
-// eliminates the joints' places (Schur complement), gives views that disagree by more than three sigmas less
-// weight (Cauchy), and solves (k^2 H / tau + Lambda) theta = k g / tau, k the mean curvature of that loss
-// over its weights. tau is the design effect: how much the scores of whole joints vary beyond what
-// independent views would, so that the tracker's constant error of a joint counts once and not once an
-// instant. Lambda has two parts. The rig's mean keeps the stated priors: what turns, shifts or lengthens all
-// sensors together shows in little disagreement, and errors of the tracker would pass for it. How sensors
-// differ from that mean has priors that are estimated again from the third round on (empirical Bayes), those
-// of shift and range offset only downwards, because narrow rigs would drift away; in the covariance the
-// stated ones count beside them as eight parameters. One sensor, or sensors that never see the same joint,
-// tell nothing: `problem`. `observations`: rows times sensors of the rig; `joint`: of each row.
-// InternalError when the sizes do not fit or a prior is not positive.
+// about its position, a shift and an offset of its ranges, with normal priors. Rounds go on, eight at least,
+// until no parameter moves by a tenth of its standard deviation; where one still does after 40 there is a
+// `problem`. Each round estimates the variances along and across the rays (restricted maximum likelihood, as
+// estimate_ray_sigma()), linearises, eliminates the joints' places (Schur complement), gives views that
+// disagree by more than three sigmas less weight (Cauchy), and solves (k^2 H / tau + Lambda) theta = k g /
+// tau, k the mean curvature of that loss over its weights. tau is the design effect: how much the scores of
+// whole joints vary beyond what independent views would, so that the tracker's constant error of a joint
+// counts once and not once an instant. Lambda has two parts. The rig's mean keeps the stated priors: what
+// turns, shifts or lengthens all sensors together shows in little disagreement, and errors of the tracker
+// would pass for it. How sensors differ from that mean has priors that are estimated again from the third
+// round on (empirical Bayes), those of shift and range offset only downwards, because narrow rigs would drift
+// away; in the covariance the stated ones count beside them as eight parameters. One sensor, or sensors that
+// never see the same joint, tell nothing: `problem`. `observations`: rows times sensors of the rig; `joint`:
+// of each row. InternalError when the sizes do not fit or a prior is not positive.
 [[nodiscard]] SelfCalibration self_calibrate(std::span<const JointObservation> observations,
                                              std::span<const RigidTransform> world_from_sensor,
                                              std::span<const std::uint32_t> joint,
