@@ -86,8 +86,8 @@ inline constexpr double kSameDistance_m = 1e-6;
 // 95 % of what they are asked, if any does, and of sets of sensors none that has a family.
 struct BestMethod {
   std::string condition, group, method;
-  // The others that are not told apart from it by is_told_apart(), on the samples that both answer. None
-  // where there is no interval.
+  // The others that are not told apart from it by differs_significantly(), on the samples that both answer.
+  // None where there is no interval.
   std::vector<std::string> like_best;
 
   TRILAT_FIELDS(condition, group, method, like_best)

@@ -26,7 +26,7 @@ constexpr double kNearHighest = 0.8;
 struct TruthGrid {
   double start_s = 0.0, step_s = 0.0;
   std::vector<float> speed_m_s;
-  std::vector<Eigen::Vector3f> position_m, quick_m;
+  std::vector<Eigen::Vector3f> position_m, high_pass_m;
 
   double speed_at(double time_s) const {
     const auto [k, share] = place_of(time_s, speed_m_s.size());
@@ -35,7 +35,7 @@ struct TruthGrid {
     return before + share * (after - before);
   }
   Vector3d position_at(double time_s) const { return at(position_m, time_s); }
-  Vector3d quick_at(double time_s) const { return at(quick_m, time_s); }
+  Vector3d quick_at(double time_s) const { return at(high_pass_m, time_s); }
   Vector3d rate_at(double time_s) const {
     return (quick_at(time_s + step_s) - quick_at(time_s - step_s)) / (2.0 * step_s);
   }
@@ -57,13 +57,14 @@ struct TruthGrid {
 };
 
 // One joint's estimate at one time: speed, position, and position less what is slow, in single precision.
-struct QuickMotion {
+struct BandPassedMotion {
   static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   float speed_m_s = kNone;
-  Eigen::Vector3f position_m = Eigen::Vector3f::Constant(kNone), quick_m = Eigen::Vector3f::Constant(kNone);
+  Eigen::Vector3f position_m = Eigen::Vector3f::Constant(kNone),
+                  high_pass_m = Eigen::Vector3f::Constant(kNone);
 };
 
-QuickMotion quick_motion(const PointPath& path, double time_s, const ClockOffsetOptions& options) {
+BandPassedMotion quick_motion(const PointPath& path, double time_s, const ClockOffsetOptions& options) {
   const auto motion = local_motion(path, time_s, options.smooth_s, options.longest_gap_s);
   if (!motion) return {};
   const auto slow = local_motion(path, time_s, options.slow_s, options.longest_gap_s);
@@ -80,13 +81,13 @@ TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
   const auto count = static_cast<std::size_t>((path.time_s.back() - grid.start_s) * options.grid_hz) + 1;
   grid.speed_m_s.reserve(count);
   grid.position_m.reserve(count);
-  grid.quick_m.reserve(count);
+  grid.high_pass_m.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const QuickMotion motion =
+    const BandPassedMotion motion =
         quick_motion(path, grid.start_s + static_cast<double>(k) * grid.step_s, options);
     grid.speed_m_s.push_back(motion.speed_m_s);
     grid.position_m.push_back(motion.position_m);
-    grid.quick_m.push_back(motion.quick_m);
+    grid.high_pass_m.push_back(motion.high_pass_m);
   }
   return grid;
 }
@@ -94,7 +95,7 @@ TruthGrid grid_of(const PointPath& path, const ClockOffsetOptions& options) {
 // One joint of both streams, ready to be compared.
 struct ComparedJoint {
   std::vector<double> time_s;
-  std::vector<QuickMotion> estimate;
+  std::vector<BandPassedMotion> estimate;
   std::shared_ptr<const TruthGrid> truth;  // parts of a joint share it
 
   // Samples that must meet a truth at an offset: half of them, or most of what a truth that covers a part of
@@ -208,7 +209,7 @@ struct Evidence {
 };
 using Blocks = std::map<std::int64_t, Evidence>;
 
-using MotionOf = Eigen::Vector3f QuickMotion::*;
+using MotionOf = Eigen::Vector3f BandPassedMotion::*;
 using TruthAt = Vector3d (TruthGrid::*)(double) const;
 
 // The estimate onto the truth, as both are at an offset.
@@ -225,10 +226,10 @@ RigidTransform turn_at(const std::vector<ComparedJoint>& joints, double offset_s
 }
 
 // The median distance between the joints at one offset, after turning the estimate if frames are turned.
-double misfit_m(const std::vector<ComparedJoint>& joints, double offset_s, StreamFrames frames) {
+double median_distance_m(const std::vector<ComparedJoint>& joints, double offset_s, StreamFrames frames) {
   const RigidTransform turn =
       frames == StreamFrames::turned
-          ? turn_at(joints, offset_s, &QuickMotion::position_m, &TruthGrid::position_at)
+          ? turn_at(joints, offset_s, &BandPassedMotion::position_m, &TruthGrid::position_at)
           : RigidTransform{};
   std::vector<double> sizes_m;
   for (const ComparedJoint& joint : joints)
@@ -246,7 +247,7 @@ double residual_scale_m(const std::vector<ComparedJoint>& joints, double offset_
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
       const double size_m =
-          (joint.estimate[i].quick_m.cast<double>() - joint.truth->quick_at(joint.time_s[i] + offset_s))
+          (joint.estimate[i].high_pass_m.cast<double>() - joint.truth->quick_at(joint.time_s[i] + offset_s))
               .norm();
       if (std::isfinite(size_m)) sizes_m.push_back(size_m);
     }
@@ -257,7 +258,7 @@ void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, d
                   Blocks& blocks) {
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
     const double t = joint.time_s[i] + offset_s;
-    const Vector3d off = joint.estimate[i].quick_m.cast<double>() - joint.truth->quick_at(t),
+    const Vector3d off = joint.estimate[i].high_pass_m.cast<double>() - joint.truth->quick_at(t),
                    rate = joint.truth->rate_at(t);
     if (!off.allFinite() || !rate.allFinite()) continue;
     const double weight = scale_m > 0.0 ? 1.0 / (1.0 + off.squaredNorm() / (4.0 * scale_m * scale_m)) : 1.0;
@@ -315,7 +316,7 @@ ClockOffsetStatus choose_peak(const std::vector<ComparedJoint>& joints, std::vec
   double next_m = std::numeric_limits<double>::infinity();
   least_m = next_m;
   for (const Peak& peak : peaks) {
-    const double apart_m = misfit_m(joints, peak.step / options.grid_hz, options.frames);
+    const double apart_m = median_distance_m(joints, peak.step / options.grid_hz, options.frames);
     next_m = std::min(next_m, std::max(apart_m, least_m));
     if (!(apart_m < least_m)) continue;
     least_m = apart_m;
@@ -396,7 +397,7 @@ ClockOffset find_clock_offset(std::vector<PointPath> estimate, std::span<const P
   const std::vector<Peak> peaks =
       peaks_of(curve, static_cast<int>(std::lround(options.search_s * options.grid_hz)), options);
   Peak chosen;
-  const ClockOffsetStatus status = choose_peak(joints, peaks, options, chosen, result.misfit_m);
+  const ClockOffsetStatus status = choose_peak(joints, peaks, options, chosen, result.median_distance_m);
   result.peak = chosen.value;
   result.second = 0.0;
   for (const Peak& peak : peaks)
@@ -404,10 +405,11 @@ ClockOffset find_clock_offset(std::vector<PointPath> estimate, std::span<const P
   if (status != ClockOffsetStatus::found) return end_with(status);
   const double start_s = chosen.step / options.grid_hz;
   if (options.frames == StreamFrames::turned) {
-    const RigidTransform turn = turn_at(joints, start_s, &QuickMotion::quick_m, &TruthGrid::quick_at);
+    const RigidTransform turn =
+        turn_at(joints, start_s, &BandPassedMotion::high_pass_m, &TruthGrid::quick_at);
     for (ComparedJoint& joint : joints)
-      for (QuickMotion& motion : joint.estimate)
-        motion.quick_m = turn.rotation.cast<float>() * motion.quick_m;
+      for (BandPassedMotion& motion : joint.estimate)
+        motion.high_pass_m = turn.rotation.cast<float>() * motion.high_pass_m;
   }
   const Refined refined = refine(joints, start_s, options);
   result.sigma_s = refined.sigma_s;

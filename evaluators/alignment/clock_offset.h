@@ -37,7 +37,7 @@ struct ClockOffsetOptions {
   double search_s = 0.3;  // to both sides
   StreamFrames frames = StreamFrames::shifted;
   double smooth_s = 0.06;  // sigma of the window of speeds and positions, the same for both streams
-  double slow_s = 0.5;     // what is slower than this is not compared: offsets and wander of trackers
+  double slow_s = 0.5;     // what is slower than this is not compared: offsets and drift of trackers
   double grid_hz = 240.0;  // of the truth, between whose points is interpolated
   double longest_gap_s = 0.11;
   double block_s = 2.0;  // errors of trackers last for about this long; the interval counts them by blocks
@@ -60,7 +60,8 @@ struct ClockOffset {
   double peak = kNaN;       // correlation of the speeds at the best offset, mean over joints
   double second = kNaN;     // the largest other peak over it; 0 when there is none
   double speed_m_s = kNaN;  // mean of the truth's joints
-  double misfit_m = kNaN;   // median distance between the joints at the best offset, unless they are shifted
+  double median_distance_m =
+      kNaN;  // median distance between the joints at the best offset, unless they are shifted
 };
 
 // Finds by motion how two recordings of the same joints are shifted in time. First the speeds are correlated,

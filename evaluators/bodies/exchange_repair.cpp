@@ -25,9 +25,9 @@ namespace {
 struct ExchangeEvidence {
   std::array<bool, kMaxSensors> seen{};
   // For the labels as they are and against an exchange: toes, knees and elbows.
-  std::array<double, kMaxSensors> labels_right{};
+  std::array<double, kMaxSensors> log_odds_unswapped{};
   // That the sensor is in the same state (exchanged or not) as when it last saw the same joints.
-  std::array<double, kMaxSensors> as_before{};
+  std::array<double, kMaxSensors> log_odds_unchanged{};
   // That two sensors are in the same state; symmetric.
   std::array<std::array<double, kMaxSensors>, kMaxSensors> alike{};
 };
@@ -141,8 +141,8 @@ class ExchangeEvidenceSource {
           body.state, [](TrackingState state) { return state != TrackingState::not_tracked; });
       if (!evidence.seen[a]) continue;
       sides[a] = sides_of(a);
-      evidence.labels_right[a] = labels_right(a, sides[a]);
-      evidence.as_before[a] = as_before(a, sides[a]);
+      evidence.log_odds_unswapped[a] = log_odds_unswapped(a, sides[a]);
+      evidence.log_odds_unchanged[a] = log_odds_unchanged(a, sides[a]);
       for (std::size_t b = 0; b < a; ++b) {
         double sum = 0.0;
         for (std::size_t p = 0; p < kPairs; ++p)
@@ -181,7 +181,7 @@ class ExchangeEvidenceSource {
     return sides;
   }
 
-  double as_before(std::size_t sensor, const Sides& now) {
+  double log_odds_unchanged(std::size_t sensor, const Sides& now) {
     LastSides& last = last_[sensor];
     const std::size_t longest = instants_in(kLongestMemory_s, options_);
     double sum = 0.0;
@@ -200,7 +200,7 @@ class ExchangeEvidenceSource {
     return sum;
   }
 
-  double labels_right(std::size_t sensor, const Sides& now) const {
+  double log_odds_unswapped(std::size_t sensor, const Sides& now) const {
     Vector3d left_m = Vector3d::Zero();
     double weight = 0.0;
     for (std::size_t p = 0; p < kTrunkPairs; ++p) {
@@ -232,11 +232,11 @@ using Costs = std::array<double, kMaxStates>;
 using Origins = std::array<std::uint8_t, kMaxStates>;
 
 // What the evidence of one instant says against each state, up to a constant.
-void costs_of(const ExchangeEvidence& evidence, std::size_t sensors, double reluctance, Costs& costs) {
+void costs_of(const ExchangeEvidence& evidence, std::size_t sensors, double prior_log_odds, Costs& costs) {
   costs[0] = 0.0;
   for (std::size_t b = 0; b < sensors; ++b) {
     const std::size_t bit = std::size_t{1} << b;
-    const double alone = evidence.seen[b] ? evidence.labels_right[b] + reluctance : 0.0;
+    const double alone = evidence.seen[b] ? evidence.log_odds_unswapped[b] + prior_log_odds : 0.0;
     for (std::size_t state = 0; state < bit; ++state) {
       double cost = costs[state] + alone;
       for (std::size_t c = 0; c < sensors; ++c)
@@ -253,8 +253,8 @@ void step(const ExchangeEvidence& evidence, std::size_t sensors, double switchin
   for (std::size_t state = 0; state < states; ++state) origin[state] = static_cast<std::uint8_t>(state);
   for (std::size_t b = 0; b < sensors; ++b) {
     if (!evidence.seen[b]) continue;  // what happens meanwhile is weighed when the sensor sees again
-    const double stay = std::max(-evidence.as_before[b], 0.0);
-    const double change = std::max(evidence.as_before[b], 0.0) + switching_cost;
+    const double stay = std::max(-evidence.log_odds_unchanged[b], 0.0);
+    const double change = std::max(evidence.log_odds_unchanged[b], 0.0) + switching_cost;
     const std::size_t bit = std::size_t{1} << b;
     for (std::size_t low = 0; low < states; ++low) {
       if (low & bit) continue;
@@ -275,12 +275,12 @@ bool has_any(const ObservedBody& body) {
                              [](TrackingState state) { return state != TrackingState::not_tracked; });
 }
 
-// What speaks for this course of exchanges against its opposite, in which each sensor is exchanged where it
-// is not here: sensors that agree with each other and with themselves do so in both.
-double certainty_of(const ExchangeRepair& repair, std::span<const double> labels_right) {
+// Log odds of this sequence against its opposite, in which each sensor is exchanged where it is not here:
+// sensors that agree with each other and with themselves do so in both.
+double total_log_odds(const ExchangeRepair& repair, std::span<const double> log_odds_unswapped) {
   double certainty = 0.0;
-  for (std::size_t i = 0; i < labels_right.size(); ++i)
-    certainty += repair.exchanged[i] ? -labels_right[i] : labels_right[i];
+  for (std::size_t i = 0; i < log_odds_unswapped.size(); ++i)
+    certainty += repair.exchanged[i] ? -log_odds_unswapped[i] : log_odds_unswapped[i];
   return certainty;
 }
 
@@ -305,19 +305,19 @@ ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTra
                "every sensor has one pose and the rig is within the capacity");
   ExchangeRepair repair{sensors, std::vector<std::uint8_t>(instants * sensors, 0), {}};
   const std::size_t states = std::size_t{1} << sensors;
-  const double reluctance = sensors == 1 ? options.reluctance_alone : options.reluctance;
+  const double prior_log_odds = sensors == 1 ? options.prior_log_odds_alone : options.prior_log_odds;
   ExchangeEvidenceSource source(tracks, world_from_sensor, options);
   std::vector<std::uint8_t> origins(instants * states);
-  std::vector<double> labels_right;  // instants x sensors
+  std::vector<double> log_odds_unswapped;  // instants x sensors
   Costs total{}, costs;
   Origins origin;
   for (std::size_t i = 0; i < instants; ++i) {
     const ExchangeEvidence evidence = source.next();
     step(evidence, sensors, i == 0 ? 0.0 : options.switching_cost, total, origin);
     std::copy_n(origin.begin(), states, origins.begin() + static_cast<std::ptrdiff_t>(i * states));
-    labels_right.insert(labels_right.end(), evidence.labels_right.begin(),
-                        evidence.labels_right.begin() + static_cast<std::ptrdiff_t>(sensors));
-    costs_of(evidence, sensors, reluctance, costs);
+    log_odds_unswapped.insert(log_odds_unswapped.end(), evidence.log_odds_unswapped.begin(),
+                              evidence.log_odds_unswapped.begin() + static_cast<std::ptrdiff_t>(sensors));
+    costs_of(evidence, sensors, prior_log_odds, costs);
     for (std::size_t state = 0; state < states; ++state) total[state] += costs[state];
   }
   const auto end = total.begin() + static_cast<std::ptrdiff_t>(states);
@@ -325,7 +325,7 @@ ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTra
   for (std::size_t i = instants; i-- > 0; state = origins[i * states + state])
     for (std::size_t a = 0; a < sensors; ++a)
       repair.exchanged[i * sensors + a] = (state >> a & 1u) && has_any(tracks.at(i, a));
-  if (certainty_of(repair, labels_right) < options.least_certainty)
+  if (total_log_odds(repair, log_odds_unswapped) < options.min_log_odds)
     std::ranges::fill(repair.exchanged, std::uint8_t{0});
   count_stretches(tracks, repair);
   return repair;

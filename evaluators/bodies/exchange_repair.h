@@ -17,13 +17,13 @@ struct ExchangeOptions {
   // Tracker errors stay for about this long: evidence of shape counts once in it, not once a frame.
   double evidence_time_s = 1.0;
   double switching_cost = 6.0;  // of a sensor that begins or ends to exchange, beside what its joints say
-  // Against every instant that is said to be exchanged, for takes that tell nothing else. With one sensor
-  // there is no second opinion: more.
-  double reluctance = 0.002;
-  double reluctance_alone = 0.08;
-  // Of a take's exchanges against their opposite (left is right everywhere): below it nothing is said to be
-  // exchanged.
-  double least_certainty = 10.0;
+  // Cost of each exchanged instant; decides takes without other evidence. With one sensor there is no second
+  // opinion: more.
+  double prior_log_odds = 0.002;
+  double prior_log_odds_alone = 0.08;
+  // Log odds of the whole sequence against its opposite (left is right everywhere); below it nothing is
+  // repaired.
+  double min_log_odds = 10.0;
 };
 
 // At which instants which sensors give left joints as right ones.

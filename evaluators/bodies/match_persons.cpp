@@ -42,7 +42,7 @@ std::vector<double> distances_m(const Tracklet& a, const Tracklet& b, double lon
 
 // Above 0 when two tracklets look like one person, below when like two, more so the longer they overlap; 0
 // when they cannot be compared.
-double likeness(const Tracklet& a, const Tracklet& b, const PersonOptions& options) {
+double log_likelihood_ratio(const Tracklet& a, const Tracklet& b, const PersonOptions& options) {
   const double together_s = overlap_s(a, b);
   if (a.sensor == b.sensor && together_s >= 0.0) return kNever;
   if (together_s < options.least_overlap_s) return 0.0;
@@ -51,7 +51,7 @@ double likeness(const Tracklet& a, const Tracklet& b, const PersonOptions& optio
   return together_s * (1.0 - std::min(upper_median(values_m) / options.same_m, 2.0));
 }
 
-// What speaks for joining two clusters is the sum over their tracklets. A cluster is named by one of them.
+// The score of a merge is the sum over all pairs of their tracklets. A cluster is named by one of them.
 class Clusters {
  public:
   Clusters(std::span<const Tracklet> tracklets, const PersonOptions& options)
@@ -59,7 +59,7 @@ class Clusters {
     std::iota(cluster_.begin(), cluster_.end(), std::size_t{0});
     for (std::size_t a = 0; a < count_; ++a)
       for (std::size_t b = a + 1; b < count_; ++b)
-        like(a, b) = like(b, a) = likeness(tracklets[a], tracklets[b], options);
+        like(a, b) = like(b, a) = log_likelihood_ratio(tracklets[a], tracklets[b], options);
     for (std::size_t a = 0; a < count_; ++a) find_best(a);
   }
 

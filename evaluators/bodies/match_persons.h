@@ -22,7 +22,7 @@ struct PersonOptions {
   double least_overlap_s = 0.21;    // of two tracklets that are compared
   double longest_hole_s = 0.25;     // in a tracklet, across which its path is interpolated
   double longest_absence_s = 3.01;  // between two tracklets that are linked because one follows the other
-  double fastest_m_s = 1.5;         // of somebody nobody sees; same_m comes on top
+  double fastest_m_s = 1.5;         // walking speed while no sensor sees the person; added to same_m
 };
 
 struct PersonMatch {

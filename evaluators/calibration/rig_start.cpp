@@ -27,7 +27,7 @@ PointsOfSensor points_by_sensor(const RigProblem& problem) {
   return points;
 }
 
-std::vector<CommonPoint> common_points(const PointsOfSensor& points, std::size_t from, std::size_t to) {
+std::vector<CommonPoint> correspondences(const PointsOfSensor& points, std::size_t from, std::size_t to) {
   std::vector<CommonPoint> common;
   for (std::size_t i = 0, k = 0; i < points[from].size() && k < points[to].size();) {
     if (points[from][i].first == points[to][k].first)
@@ -48,8 +48,8 @@ std::optional<RigidTransform> rigid_fit(const std::vector<CommonPoint>& points) 
   return fit.truth_from_estimate;
 }
 
-std::vector<CommonPoint> supporters(const std::vector<CommonPoint>& points, const RigidTransform& to_from,
-                                    double tolerance_m) {
+std::vector<CommonPoint> inliers(const std::vector<CommonPoint>& points, const RigidTransform& to_from,
+                                 double tolerance_m) {
   std::vector<CommonPoint> result;
   for (const CommonPoint& p : points)
     if ((to_from * p.from_m - p.to_m).norm() <= tolerance_m) result.push_back(p);
@@ -57,7 +57,7 @@ std::vector<CommonPoint> supporters(const std::vector<CommonPoint>& points, cons
 }
 
 // Root mean square spread in the second widest direction.
-double breadth_m(const std::vector<CommonPoint>& points) {
+double second_extent_m(const std::vector<CommonPoint>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const CommonPoint& p : points) mean += p.from_m / static_cast<double>(points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -76,7 +76,7 @@ PairFit fit_pair(const std::vector<CommonPoint>& points, std::uint64_t pair, con
   PairFit best;
   if (points.size() < 3) return best;
   best.placement = SensorPlacement::points_on_line;
-  if (breadth_m(points) < options.least_breadth_m) return best;
+  if (second_extent_m(points) < options.least_breadth_m) return best;
   best.placement = SensorPlacement::disagrees;
   const RandomStream random{0, Purpose::calibration_trial, pair};
   std::vector<CommonPoint> best_points;
@@ -88,19 +88,19 @@ PairFit fit_pair(const std::vector<CommonPoint>& points, std::uint64_t pair, con
     }
     const auto fit = rigid_fit(triple);
     if (!fit) continue;
-    auto support = supporters(points, *fit, options.tolerance_m);
+    auto support = inliers(points, *fit, options.tolerance_m);
     if (support.size() > best_points.size()) best_points = std::move(support);
   }
   for (int round = 0; round < 3 && best_points.size() >= 3; ++round) {
     const auto fit = rigid_fit(best_points);
     if (!fit) break;
     best.to_from_from = *fit;
-    best_points = supporters(points, *fit, options.tolerance_m);
+    best_points = inliers(points, *fit, options.tolerance_m);
     best.support = best_points.size();
     best.placement = SensorPlacement::placed;
   }
   if (best.placement == SensorPlacement::placed &&
-      (best.support < 3 || breadth_m(best_points) < options.least_breadth_m))
+      (best.support < 3 || second_extent_m(best_points) < options.least_breadth_m))
     best.placement = best.support < 3 ? SensorPlacement::disagrees : SensorPlacement::points_on_line;
   return best;
 }
@@ -111,7 +111,7 @@ bool RigStart::complete() const {
   return std::ranges::all_of(placement, [](SensorPlacement p) { return p == SensorPlacement::placed; });
 }
 
-RigStart start_rig(const RigProblem& problem, const RigStartOptions& options) {
+RigStart initial_poses(const RigProblem& problem, const RigStartOptions& options) {
   const PointsOfSensor points = points_by_sensor(problem);
   RigStart start;
   start.placement.assign(problem.sensors, SensorPlacement::no_common_view);
@@ -126,7 +126,7 @@ RigStart start_rig(const RigProblem& problem, const RigStartOptions& options) {
   for (std::size_t from = 0; from < problem.sensors; ++from)
     for (std::size_t to = 0; to < problem.sensors; ++to)
       if (from != to)
-        fits[from][to] = fit_pair(common_points(points, from, to), from * problem.sensors + to, options);
+        fits[from][to] = fit_pair(correspondences(points, from, to), from * problem.sensors + to, options);
   for (;;) {
     const PairFit* best = nullptr;
     std::size_t best_from = 0, best_to = 0;

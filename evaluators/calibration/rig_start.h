@@ -18,7 +18,7 @@ struct PointObservation {
   std::size_t point = 0;
   Eigen::Vector3d point_in_sensor_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();
-  DepthInfluence depth = {};  // of what the sensor's depth is off by; looked at where that is estimated
+  DepthSensitivity depth = {};  // of what the sensor's depth is off by; looked at where that is estimated
 };
 
 // Where do sensors stand that saw the same points? At most one observation a sensor and point.
@@ -51,8 +51,8 @@ struct RigStart {
 };
 
 // Poses to start a refinement from: for every pair of sensors the rigid motion that most of their common
-// points support (three points at a time, Fischler and Bolles 1981; then least squares on the supporters,
+// points support (three points at a time, Fischler and Bolles 1981; then least squares on the inliers,
 // Horn 1987), chained from the reference along the best supported pairs. Wrong points may be among them.
-[[nodiscard]] RigStart start_rig(const RigProblem& problem, const RigStartOptions& options);
+[[nodiscard]] RigStart initial_poses(const RigProblem& problem, const RigStartOptions& options);
 
 }  // namespace trilat

@@ -51,8 +51,8 @@ Duration overlap_of(HostTime first_a, HostTime last_a, HostTime first_b, HostTim
 
 }  // namespace
 
-RestingBall mean_of_rest(Sightings rest, std::size_t sensor, double deviation) {
-  RestingBall ball;
+StaticSighting mean_of_rest(Sightings rest, std::size_t sensor, double deviation) {
+  StaticSighting ball;
   ball.sensor = sensor;
   ball.first = rest.front().time;
   ball.last = rest.back().time;
@@ -82,9 +82,9 @@ RestingBall mean_of_rest(Sightings rest, std::size_t sensor, double deviation) {
   return ball;
 }
 
-std::vector<RestingBall> find_rests(Sightings sightings, std::size_t sensor,
-                                    const WandPositionOptions& options) {
-  std::vector<RestingBall> rests;
+std::vector<StaticSighting> find_static_intervals(Sightings sightings, std::size_t sensor,
+                                                  const WandPositionOptions& options) {
+  std::vector<StaticSighting> rests;
   for (std::size_t first = 0; first < sightings.size();) {
     const std::size_t length = length_of_rest(sightings.subspan(first), options);
     const Sightings rest = sightings.subspan(first, length);
@@ -99,17 +99,17 @@ std::vector<RestingBall> find_rests(Sightings sightings, std::size_t sensor,
   return rests;
 }
 
-std::vector<WandPosition> find_wand_positions(std::vector<RestingBall> rests,
+std::vector<WandPosition> find_wand_positions(std::vector<StaticSighting> rests,
                                               const WandPositionOptions& options) {
-  std::ranges::stable_sort(rests,
-                           [](const RestingBall& a, const RestingBall& b) { return a.first < b.first; });
+  std::ranges::stable_sort(
+      rests, [](const StaticSighting& a, const StaticSighting& b) { return a.first < b.first; });
   std::vector<WandPosition> positions;
-  for (const RestingBall& rest : rests) {
+  for (const StaticSighting& rest : rests) {
     WandPosition* same = nullptr;
     for (WandPosition& position : positions)
       if (overlap_of(position.first, position.last, rest.first, rest.last) >= options.least_overlap)
         same = &position;
-    const bool again = same && std::ranges::any_of(same->seen, [&](const RestingBall& other) {
+    const bool again = same && std::ranges::any_of(same->seen, [&](const StaticSighting& other) {
                          return other.sensor == rest.sensor;
                        });
     if (again) continue;  // a second rest of one sensor inside another's: the ball was hidden in between
@@ -123,7 +123,7 @@ std::vector<WandPosition> find_wand_positions(std::vector<RestingBall> rests,
 
 namespace {
 
-constexpr double kLeastMovement_m = 1e-3;
+constexpr double kMinMovement_m = 1e-3;
 
 // Rows: the client's axes in the sensor's frame; the second is the one that eq. 6 compares, the third the
 // turn's.
@@ -158,19 +158,19 @@ std::string name_of(TwoPositionStatus status) {
 }
 
 TwoPositionPose solve_two_positions(const Eigen::Vector3d& first_in_sensor_m,
-                                    const Eigen::Vector3d& second_in_sensor_m, double movement_m,
+                                    const Eigen::Vector3d& second_in_sensor_m, double baseline_m,
                                     const TwoPositionOptions& options) {
   TwoPositionPose result;
   const Eigen::Matrix3d client = client_from_sensor(options);
   const Eigen::Vector3d first_m = client * first_in_sensor_m;
   const Eigen::Vector3d moved_m = client * second_in_sensor_m - first_m;
   result.status = TwoPositionStatus::no_movement;
-  if (!(movement_m > kLeastMovement_m) || !(moved_m.head<2>().norm() > kLeastMovement_m)) return result;
+  if (!(baseline_m > kMinMovement_m) || !(moved_m.head<2>().norm() > kMinMovement_m)) return result;
   double angle_rad = 0.0;
   if (options.signed_angle) {
     angle_rad = std::atan2(moved_m.x(), moved_m.y());
   } else {
-    const double cosine = moved_m.y() / movement_m;
+    const double cosine = moved_m.y() / baseline_m;
     result.status = TwoPositionStatus::cosine_beyond_one;
     if (!(std::abs(cosine) <= 1.0)) return result;
     angle_rad = std::acos(cosine);

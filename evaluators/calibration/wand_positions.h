@@ -33,7 +33,7 @@ struct WandPositionOptions {
 };
 
 // The ball at rest as one sensor saw it: the mean of several frames, the deviating ones left out.
-struct RestingBall {
+struct StaticSighting {
   std::size_t sensor = 0;
   HostTime first, last;
   Eigen::Vector3d centre_in_sensor_m = Eigen::Vector3d::Zero();
@@ -45,19 +45,20 @@ struct RestingBall {
 // A place where the wand was held, as all sensors that saw it there.
 struct WandPosition {
   HostTime first, last;
-  std::vector<RestingBall> seen;  // at most one a sensor
+  std::vector<StaticSighting> seen;  // at most one a sensor
 };
 
 // The mean of sightings of a ball at rest, at least one; frames that deviate are left out, as in the paper.
-[[nodiscard]] RestingBall mean_of_rest(std::span<const TimedSighting> rest, std::size_t sensor,
-                                       double deviation);
+[[nodiscard]] StaticSighting mean_of_rest(std::span<const TimedSighting> rest, std::size_t sensor,
+                                          double deviation);
 
 // The rests of one sensor's ball, in the order of time; sightings must rise in time.
-[[nodiscard]] std::vector<RestingBall> find_rests(std::span<const TimedSighting> sightings,
-                                                  std::size_t sensor, const WandPositionOptions& options);
+[[nodiscard]] std::vector<StaticSighting> find_static_intervals(std::span<const TimedSighting> sightings,
+                                                                std::size_t sensor,
+                                                                const WandPositionOptions& options);
 
 // Brings together what several sensors saw at the same time; in the order of time.
-[[nodiscard]] std::vector<WandPosition> find_wand_positions(std::vector<RestingBall> rests,
+[[nodiscard]] std::vector<WandPosition> find_wand_positions(std::vector<StaticSighting> rests,
                                                             const WandPositionOptions& options);
 
 // The frame that three places of the wand define (frames.h): origin at the first, x towards the second, the
@@ -107,9 +108,9 @@ struct TwoPositionPose {
   RigidTransform wand_from_sensor;  // the wand frame of frames.h: x along the movement, y up
 };
 
-// `movement_m` is how far the wand moved, as measured in the server's frame (eq. 6 needs it).
+// `baseline_m` is how far the wand moved, as measured in the server's frame (eq. 6 needs it).
 [[nodiscard]] TwoPositionPose solve_two_positions(const Eigen::Vector3d& first_in_sensor_m,
                                                   const Eigen::Vector3d& second_in_sensor_m,
-                                                  double movement_m, const TwoPositionOptions& options);
+                                                  double baseline_m, const TwoPositionOptions& options);
 
 }  // namespace trilat

@@ -81,9 +81,9 @@ PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& optio
   const SensorPlane plane = plane_of(problem);
   if (plane.collinear) return failed_estimate(SolveStatus::rank_deficient);
   const Eigen::Vector3d wanted_m =
-      wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
+      requested_start_m(problem, plane, options.start, options.start_point_m, options.linear);
   return estimate_of(problem,
-                     descend_on_both_sides(problem, plane, safe_start(problem, plane, wanted_m),
+                     descend_on_both_sides(problem, plane, plausible_start(problem, plane, wanted_m),
                                            options.range_sigma_m, [&](const Eigen::Vector3d& start_m) {
                                              return descend_by_ceres(problem, options, start_m);
                                            }));

@@ -94,7 +94,7 @@ struct KnownResidual {
   }
 };
 
-// Of the gauge's second point, which lies on the x axis.
+// Residual of the measured distance from the first to the second gauge point, which lies on the x axis.
 struct DistanceResidual {
   double distance_m = 0.0, weight = 1.0;
   template <class T>
@@ -128,7 +128,7 @@ DepthTerms prior_sigmas_m(const DepthCorrectionOptions& options) {
 }
 
 // How an observed point moves with each term.
-Eigen::Matrix<double, 3, kDepthTerms> by_term(const DepthInfluence& depth,
+Eigen::Matrix<double, 3, kDepthTerms> by_term(const DepthSensitivity& depth,
                                               const DepthCorrectionOptions& options) {
   Eigen::Matrix<double, 3, kDepthTerms> moves;
   moves.col(0) = depth.by_error;
@@ -241,9 +241,9 @@ class Refiner {
       const auto wand = wand_from_places(state_.point_m[p[0]], state_.point_m[p[1]], state_.point_m[p[2]]);
       if (!wand) return false;
       world = *wand;
-    } else if (!gauge_.known_points.empty()) {
+    } else if (!gauge_.control_points.empty()) {
       AlignmentSums sums;
-      for (const KnownPoint& known : gauge_.known_points)
+      for (const ControlPoint& known : gauge_.control_points)
         if (state_.point_m[known.point].allFinite())
           sums.add(state_.point_m[known.point], known.point_in_world_m);
       const Alignment fit = solve_alignment(sums, AlignmentKind::rigid);
@@ -289,13 +289,13 @@ class Refiner {
           nullptr, terms_m.data());
     }
     if (gauge_.first_points && gauge_.first_points->distance_m) {
-      const FirstPoints& first = *gauge_.first_points;
+      const GaugePoints& first = *gauge_.first_points;
       ceres_problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<DistanceResidual, 1, 3>(
               new DistanceResidual{*first.distance_m, 1.0 / first.distance_sigma_m}),
           nullptr, state_.point_m[first.points[1]].data());
     }
-    for (const KnownPoint& known : gauge_.known_points) {
+    for (const ControlPoint& known : gauge_.control_points) {
       double* point = state_.point_m[known.point].data();
       if (ceres_problem.HasParameterBlock(point))
         ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<KnownResidual, 3, 3>(
@@ -312,7 +312,7 @@ class Refiner {
       ceres_problem.SetParameterBlockConstant(state_.point_m[p[0]].data());
       ceres_problem.SetManifold(state_.point_m[p[1]].data(), new ceres::SubsetManifold(3, {1, 2}));
       ceres_problem.SetManifold(state_.point_m[p[2]].data(), new ceres::SubsetManifold(3, {2}));
-    } else if (gauge_.known_points.empty()) {
+    } else if (gauge_.control_points.empty()) {
       ceres_problem.SetParameterBlockConstant(state_.rotation[reference_].coeffs().data());
       ceres_problem.SetParameterBlockConstant(state_.position_m[reference_].data());
     }
@@ -425,10 +425,10 @@ class Refiner {
   double reduced_chi2(double total, std::size_t used, const std::vector<bool>& point_used) const {
     for (const DepthTerms& terms_m : state_.depth_terms_m)
       total += terms_m.cwiseQuotient(prior_sigmas_m(*options_.depth_correction)).squaredNorm();
-    std::size_t residuals = 3 * used, known_points = 0;
-    for (const KnownPoint& known : gauge_.known_points) {
+    std::size_t residuals = 3 * used, control_points = 0;
+    for (const ControlPoint& known : gauge_.control_points) {
       if (!point_used[known.point]) continue;
-      ++known_points;
+      ++control_points;
       residuals += 3;
       total += (state_.point_m[known.point] - known.point_in_world_m).squaredNorm() / square(known.sigma_m);
     }
@@ -439,7 +439,7 @@ class Refiner {
                  gauge_.first_points->distance_sigma_m);
     }
     const auto points = static_cast<std::size_t>(std::ranges::count(point_used, true));
-    const std::size_t unknowns = 6 * problem_.sensors + 3 * points - (known_points > 0 ? 0 : 6);
+    const std::size_t unknowns = 6 * problem_.sensors + 3 * points - (control_points > 0 ? 0 : 6);
     return residuals > unknowns ? total / static_cast<double>(residuals - unknowns) : kNone;
   }
 
@@ -515,8 +515,9 @@ std::string name_of(RigStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
-RigRefinement refine_rig(const RigProblem& problem, const std::vector<RigidTransform>& reference_from_sensor,
-                         std::size_t reference, const RigGauge& gauge, const RigRefinementOptions& options) {
+RigRefinement bundle_adjust(const RigProblem& problem,
+                            const std::vector<RigidTransform>& reference_from_sensor, std::size_t reference,
+                            const RigGauge& gauge, const RigRefinementOptions& options) {
   return Refiner(problem, reference_from_sensor, reference, gauge, options).run();
 }
 

@@ -14,9 +14,9 @@
 
 namespace trilat {
 
-// What a unit's depth may be off by, estimated beside its pose: measured = true + offset + a wiggle. The
-// wiggle is a sum of waves whose lengths are spread evenly over the span. Priors keep both at zero where the
-// data say nothing; together the waves' have the root mean square of the wiggle.
+// What a unit's depth may be off by, estimated beside its pose: measured = true + offset + a wiggling. The
+// wiggling is a sum of waves whose lengths are spread evenly over the span. Priors keep both at zero where
+// the data say nothing; together the waves' have the root mean square of the wiggling.
 struct DepthCorrectionOptions {
   double offset_sigma_m = 0.0139;   // 24 mm uniform in +-
   double wiggle_sigma_m = 0.00255;  // a wave whose amplitude is uniform within 2 to 5 mm
@@ -24,14 +24,14 @@ struct DepthCorrectionOptions {
 };
 
 // A point whose place in the world is known, from OptiTrack or a laser meter.
-struct KnownPoint {
+struct ControlPoint {
   std::size_t point = 0;
   Eigen::Vector3d point_in_world_m = Eigen::Vector3d::Zero();
   double sigma_m = 0.001;  // an axis
 };
 
 // What says where the world is. Distances between sensors do not: one of these has to.
-struct FirstPoints {  // origin at the first, x towards the second, the third above the x axis (y > 0, z = 0)
+struct GaugePoints {  // origin at the first, x towards the second, the third above the x axis (y > 0, z = 0)
   std::array<std::size_t, 3> points{};
   // From the first to the second, when somebody measured it. Depth errors that all sensors share look like
   // another scale, which nothing else can tell from the true one.
@@ -39,8 +39,8 @@ struct FirstPoints {  // origin at the first, x towards the second, the third ab
   double distance_sigma_m = 0.001;
 };
 struct RigGauge {
-  std::optional<FirstPoints> first_points;
-  std::vector<KnownPoint> known_points;  // at least three, not on a line, when there are no first_points
+  std::optional<GaugePoints> first_points;
+  std::vector<ControlPoint> control_points;  // at least three, not on a line, when there are no first_points
   // Neither: the reference sensor of the start stays at this pose.
   RigidTransform world_from_reference;
 };
@@ -88,10 +88,10 @@ struct RigRefinement {
 // All poses and points at once by Ceres: minimises the squared distances between each point, turned into the
 // sensor's frame, and its observation, each weighted by its covariance. First with a soft-L1 loss (convex: no
 // start is lost); then observations that are too far off are left out, worst of each point first, until none
-// is, and the rest is solved without loss. `reference_from_sensor` starts it (start_rig()).
-[[nodiscard]] RigRefinement refine_rig(const RigProblem& problem,
-                                       const std::vector<RigidTransform>& reference_from_sensor,
-                                       std::size_t reference, const RigGauge& gauge,
-                                       const RigRefinementOptions& options);
+// is, and the rest is solved without loss. `reference_from_sensor` starts it (initial_poses()).
+[[nodiscard]] RigRefinement bundle_adjust(const RigProblem& problem,
+                                          const std::vector<RigidTransform>& reference_from_sensor,
+                                          std::size_t reference, const RigGauge& gauge,
+                                          const RigRefinementOptions& options);
 
 }  // namespace trilat

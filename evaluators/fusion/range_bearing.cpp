@@ -85,7 +85,8 @@ Linearised linearise(const Rays& rays, const RangeBearingOptions& options, const
     add_projection(sum.matrix, bearing_weight, ray.direction);
     sum.gradient += range_weight * r.along_m * r.e + bearing_weight * r.across_m;
     sum.cost += r.square;
-    sum.grain += r.distance_m * (range_weight * std::abs(r.along_m) + bearing_weight * r.across_m.norm());
+    sum.rounding_scale +=
+        r.distance_m * (range_weight * std::abs(r.along_m) + bearing_weight * r.across_m.norm());
     grown += share + grown * share;
   }
   if (options.loss == Loss::cauchy) sum.cost = options.loss_scale * options.loss_scale * std::log1p(grown);

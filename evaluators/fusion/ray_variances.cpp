@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFewestRayClusters = 5;
+constexpr std::size_t kMinRayClusters = 5;
 constexpr double kUselessFactor = 100.0;  // between the ends of an interval of the ratio
 constexpr double kMinSigma_m = 1e-4;
 
@@ -43,7 +43,7 @@ void add_disagreement(const RayViews& row, std::span<const RigidTransform> rig, 
                       Disagreement& sum) {
   const double trace = row.covariance.trace();
   for (const RayView& view : row.views) {
-    const Eigen::Vector3d u = ray_of(row, rig[view.sensor]), e = view.straight_m - row.position_m;
+    const Eigen::Vector3d u = ray_of(row, rig[view.sensor]), e = view.linearised_point_m - row.position_m;
     const double range2 = range_variance(sigma, view.inferred);
     const double bearing2 = bearing_variance(sigma, view.inferred);
     const double along2 = std::pow(e.dot(u), 2), across2 = std::max(0.0, e.squaredNorm() - along2);
@@ -57,7 +57,7 @@ void add_disagreement(const RayViews& row, std::span<const RigidTransform> rig, 
   }
 }
 
-// What each component's squares lack of their degrees of freedom, of each cluster: 0 on average at the true
+// Score of each variance component by cluster: degrees of freedom less squares, 0 on average at the true
 // sigmas.
 std::vector<Eigen::Vector3d> scores(RayRows& rows, std::span<const RigidTransform> rig,
                                     const RaySigma& sigma) {
@@ -125,7 +125,7 @@ RayRows ray_rows(std::span<const JointObservation> observations, std::size_t sen
                "every row has an observation of every sensor");
   const auto inferred = std::ranges::count_if(
       observations, [](const JointObservation& o) { return o.seen && o.state == TrackingState::inferred; });
-  RayRows result{{}, static_cast<std::size_t>(inferred) >= kFewestInferred};
+  RayRows result{{}, static_cast<std::size_t>(inferred) >= kMinInferred};
   for (std::size_t i = 0; i < cluster.size(); ++i) {
     RayViews row{.cluster = cluster[i], .views = {}};
     for (std::size_t s = 0; s < sensors; ++s) {
@@ -151,15 +151,15 @@ void place(RayViews& row, std::span<const RigidTransform> rig, const RaySigma& s
     const double across = 1.0 / bearing_variance(sigma, view.inferred);
     view.weight = across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose();
     const Eigen::Vector3d v = view.point_m - rig[view.sensor].translation_m;
-    view.straight_m = view.point_m + (v.norm() - v.dot(u)) * u;
+    view.linearised_point_m = view.point_m + (v.norm() - v.dot(u)) * u;
     information += view.weight;
-    right += view.weight * view.straight_m;
+    right += view.weight * view.linearised_point_m;
   }
   row.covariance = information.inverse();
   row.position_m = row.covariance * right;
 }
 
-// Of inferred joints one factor stands for both of their sigmas, which move with those of tracked ones.
+// Inferred joints have the tracked sigmas times one factor.
 bool converge(RayRows& rows, std::span<const RigidTransform> rig, double tolerance, int most_rounds,
               RaySigma& sigma) {
   for (int k = 0; k < most_rounds; ++k) {
@@ -184,18 +184,18 @@ RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observatio
                                     std::span<const RigidTransform> world_from_sensor,
                                     std::span<const std::uint32_t> cluster) {
   constexpr double kTolerance = 1e-5;
-  constexpr int kMostRounds = 200;
+  constexpr int kMaxRounds = 200;
   RayRows rows = ray_rows(observations, world_from_sensor.size(), cluster);
   RaySigmaEstimate result;
   result.instants = rows.rows.size();
   result.clusters = clusters_of(rows);
-  if (result.clusters < kFewestRayClusters) {
-    result.problem = "fewer than " + std::to_string(kFewestRayClusters) +
+  if (result.clusters < kMinRayClusters) {
+    result.problem = "fewer than " + std::to_string(kMinRayClusters) +
                      " stretches of time in which two sensors track the joint";
     return result;
   }
   RaySigma sigma;
-  if (!converge(rows, world_from_sensor, kTolerance, kMostRounds, sigma)) {
+  if (!converge(rows, world_from_sensor, kTolerance, kMaxRounds, sigma)) {
     result.problem =
         "the disagreement of these sensors does not tell errors along their rays from those across";
     return result;

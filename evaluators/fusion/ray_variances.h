@@ -11,7 +11,7 @@
 namespace trilat {
 
 // Views of inferred joints from which their own sigma is known.
-inline constexpr std::size_t kFewestInferred = 100;
+inline constexpr std::size_t kMinInferred = 100;
 
 // A joint at one instant as one sensor sees it.
 struct RayView {
@@ -20,7 +20,7 @@ struct RayView {
   Eigen::Vector3d point_m;
   // As far along the ray to the joint's place as the point is from its sensor, and as far across as it is:
   // what the point would be if rays were parallel.
-  Eigen::Vector3d straight_m;
+  Eigen::Vector3d linearised_point_m;
   Eigen::Matrix3d weight;  // its inverse covariance in 1/m^2
 };
 

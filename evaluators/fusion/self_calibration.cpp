@@ -19,17 +19,17 @@ namespace trilat {
 namespace {
 
 constexpr int kParameters = 7;  // of a sensor
-constexpr std::size_t kFewestRows = 20;
-constexpr int kMinRounds = 8, kMostRounds = 40, kRobustPasses = 3;
+constexpr std::size_t kMinRows = 20;
+constexpr int kMinRounds = 8, kMaxRounds = 40, kRobustPasses = 3;
 constexpr double kSettled = 0.1;      // standard deviations
 constexpr int kFirstOfPriors = 2;     // round from which the priors are estimated
 constexpr double kStatedCount = 8.0;  // parameters of sensors that the stated priors count as
 constexpr double kLossScale = 3.0;    // sigmas
 constexpr double kVarianceTolerance = 1e-4;
 constexpr double kNormalQuantile = 1.959964;  // of 95 %
-constexpr double kLeastPrior = 1e-4;          // rad or m
+constexpr double kMinPrior = 1e-4;            // rad or m
 
-Eigen::Quaterniond turned_back(const Eigen::Vector3d& turn_rad) {
+Eigen::Quaterniond inverse_rotation(const Eigen::Vector3d& turn_rad) {
   const double angle_rad = turn_rad.norm();
   if (angle_rad == 0.0) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond(Eigen::AngleAxisd(-angle_rad, turn_rad / angle_rad));
@@ -38,7 +38,7 @@ Eigen::Quaterniond turned_back(const Eigen::Vector3d& turn_rad) {
 class Calibrator {
  public:
   Calibrator(std::span<const JointObservation> observations, std::span<const RigidTransform> rig,
-             std::span<const std::uint32_t> joint, const CorrectionPriors& priors)
+             std::span<const std::uint32_t> joint, const PosePriors& priors)
       : rig_(rig),
         stated_priors_(priors),
         priors_(priors),
@@ -55,7 +55,7 @@ class Calibrator {
 
   SelfCalibration run() {
     double moved = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kMostRounds && (round < kMinRounds || !(moved <= kSettled)); ++round) {
+    for (int round = 0; round < kMaxRounds && (round < kMinRounds || !(moved <= kSettled)); ++round) {
       correct();
       converge(rows_, poses_, kVarianceTolerance, round == 0 ? 25 : 8, sigma_);
       place_robustly();
@@ -63,10 +63,11 @@ class Calibrator {
     }
     if (!(moved <= kSettled)) {
       SelfCalibration unsettled;
-      unsettled.problem = "the corrections still move after " + std::to_string(kMostRounds) + " rounds";
+      unsettled.problem = "the corrections still move after " + std::to_string(kMaxRounds) + " rounds";
       return unsettled;
     }
-    // few sensors tell little of their own priors: what is said to be known counts the stated ones, too
+    // With few sensors an estimated prior is uncertain: the covariance counts the stated one as more
+    // parameters.
     covariance_ = (information_ + precision_of(estimated_priors(kStatedCount))).inverse();
     return result();
   }
@@ -74,9 +75,9 @@ class Calibrator {
  private:
   Eigen::Index size() const { return kParameters * static_cast<Eigen::Index>(rig_.size()); }
 
-  SensorCorrection correction_of(std::size_t s) const {
+  PoseCorrection correction_of(std::size_t s) const {
     const auto of = theta_.segment<kParameters>(kParameters * static_cast<Eigen::Index>(s));
-    SensorCorrection correction;
+    PoseCorrection correction;
     correction.turn_rad = of.head<3>();
     correction.shift_m = of.segment<3>(3);
     correction.range_m = of[6];
@@ -87,8 +88,8 @@ class Calibrator {
     poses_.clear();
     std::vector<Eigen::Matrix3d> back;
     for (std::size_t s = 0; s < rig_.size(); ++s) {
-      const SensorCorrection c = correction_of(s);
-      back.push_back(turned_back(c.turn_rad).toRotationMatrix());
+      const PoseCorrection c = correction_of(s);
+      back.push_back(inverse_rotation(c.turn_rad).toRotationMatrix());
       poses_.push_back(corrected_pose(rig_[s], c));
     }
     auto stated_m = stated_m_.begin();
@@ -113,16 +114,16 @@ class Calibrator {
         Eigen::Vector3d right = Eigen::Vector3d::Zero();
         for (std::size_t k = 0; k < row.views.size(); ++k) {
           RayView& view = row.views[k];
-          const Eigen::Vector3d e = view.straight_m - row.position_m;
+          const Eigen::Vector3d e = view.linearised_point_m - row.position_m;
           view.weight = full[k] / (1.0 + e.dot(full[k] * e) / (kLossScale * kLossScale));
           information += view.weight;
-          right += view.weight * view.straight_m;
+          right += view.weight * view.linearised_point_m;
         }
         row.covariance = information.inverse();
         row.position_m = row.covariance * right;
       }
       for (std::size_t k = 0; k < row.views.size(); ++k) {
-        const Eigen::Vector3d e = row.views[k].straight_m - row.position_m;
+        const Eigen::Vector3d e = row.views[k].linearised_point_m - row.position_m;
         const double square = e.dot(full[k] * e) / (kLossScale * kLossScale), weight = 1.0 / (1.0 + square);
         weights += 3.0 * weight;
         curvature += 3.0 * weight - 2.0 * weight * weight * square;
@@ -171,7 +172,7 @@ class Calibrator {
       const Eigen::Index at = kParameters * static_cast<Eigen::Index>(view.sensor);
       information.block<kParameters, kParameters>(at, at) += of.transpose() * weighted[k];
       scores.row(joint).segment<kParameters>(at) +=
-          (weighted[k].transpose() * (view.straight_m - row.position_m)).transpose();
+          (weighted[k].transpose() * (view.linearised_point_m - row.position_m)).transpose();
     }
     for (std::size_t a = 0; a < row.views.size(); ++a)
       for (std::size_t b = 0; b <= a; ++b)  // the lower half: sensors rise
@@ -202,14 +203,14 @@ class Calibrator {
   }
 
   using KindArray = Eigen::Array<double, kParameters, 1>;  // a number for each parameter of a sensor
-  static KindArray squared(const CorrectionPriors& p) {
+  static KindArray squared(const PosePriors& p) {
     KindArray sigma;
     sigma << p.turn_rad, p.turn_rad, p.turn_rad, p.shift_m, p.shift_m, p.shift_m, p.range_m;
     return sigma.square();
   }
 
-  // Of normal priors on how sensors differ from the rig's mean, and the stated ones on that mean.
-  Eigen::MatrixXd precision_of(const CorrectionPriors& priors) const {
+  // Prior precision: sensors' deviations from the rig's mean have `priors`, the mean the stated ones.
+  Eigen::MatrixXd precision_of(const PosePriors& priors) const {
     const auto sensors = static_cast<double>(rig_.size());
     const KindArray own = squared(priors), common = squared(stated_priors_);
     const KindArray shared = common / (own * (own + sensors * common));
@@ -224,7 +225,7 @@ class Calibrator {
 
   // One step of expectation and maximisation on the sensors' deviations from their mean, in which the stated
   // priors count as so many parameters.
-  CorrectionPriors estimated_priors(double stated_count) const {
+  PosePriors estimated_priors(double stated_count) const {
     const auto sensors = static_cast<Eigen::Index>(rig_.size());
     KindArray squares = KindArray::Zero();
     for (Eigen::Index k = 0; k < kParameters; ++k) {
@@ -236,14 +237,14 @@ class Calibrator {
     }
     const auto sigma = [&](double stated, Eigen::Index first, Eigen::Index count) {
       const double freedom = static_cast<double>(count * (sensors - 1));
-      return std::max(kLeastPrior,
+      return std::max(kMinPrior,
                       std::sqrt((stated_count * stated * stated + squares.segment(first, count).sum()) /
                                 (stated_count + freedom)));
     };
     return {sigma(stated_priors_.turn_rad, 0, 3), sigma(stated_priors_.shift_m, 3, 3),
             sigma(stated_priors_.range_m, 6, 1)};
   }
-  CorrectionPriors only_narrower(const CorrectionPriors& estimated) const {
+  PosePriors only_narrower(const PosePriors& estimated) const {
     return {estimated.turn_rad, std::min(stated_priors_.shift_m, estimated.shift_m),
             std::min(stated_priors_.range_m, estimated.range_m)};
   }
@@ -258,17 +259,17 @@ class Calibrator {
     }
     for (const RayViews& row : rows_.rows)
       for (const RayView& view : row.views) {
-        SensorCorrection& of = result.of_sensor[view.sensor];
+        PoseCorrection& of = result.of_sensor[view.sensor];
         ++of.views;
-        of.residual_rms_m += (view.straight_m - row.position_m).squaredNorm() / 3.0;
+        of.residual_rms_m += (view.linearised_point_m - row.position_m).squaredNorm() / 3.0;
       }
-    for (SensorCorrection& of : result.of_sensor)
+    for (PoseCorrection& of : result.of_sensor)
       of.residual_rms_m = std::sqrt(of.residual_rms_m / static_cast<double>(of.views));
     return result;
   }
 
   std::span<const RigidTransform> rig_;
-  CorrectionPriors stated_priors_, priors_;
+  PosePriors stated_priors_, priors_;
   RayRows rows_;                                 // their clusters are joints, and their points corrected
   std::vector<Eigen::Vector3d> stated_m_;        // the points of all views as the calibration has them
   std::map<std::uint32_t, std::size_t> joints_;  // their numbers
@@ -297,17 +298,17 @@ Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covarian
 
 }  // namespace
 
-RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const SensorCorrection& correction) {
-  return {(turned_back(correction.turn_rad) * world_from_sensor.rotation).normalized(),
+RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const PoseCorrection& correction) {
+  return {(inverse_rotation(correction.turn_rad) * world_from_sensor.rotation).normalized(),
           world_from_sensor.translation_m - correction.shift_m};
 }
 
 JointObservation corrected_view(const JointObservation& observation, const RigidTransform& world_from_sensor,
-                                const SensorCorrection& correction) {
+                                const PoseCorrection& correction) {
   JointObservation result = observation;
   if (!observation.seen || !(observation.range_m > kOnSensor_m)) return result;
-  const Eigen::Vector3d v =
-      turned_back(correction.turn_rad) * (observation.point_in_world_m - world_from_sensor.translation_m);
+  const Eigen::Vector3d v = inverse_rotation(correction.turn_rad) *
+                            (observation.point_in_world_m - world_from_sensor.translation_m);
   result.range_m = observation.range_m - correction.range_m;
   result.point_in_world_m =
       world_from_sensor.translation_m - correction.shift_m + v * (result.range_m / observation.range_m);
@@ -316,7 +317,7 @@ JointObservation corrected_view(const JointObservation& observation, const Rigid
 
 CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor) {
   if (!calibration.problem.empty()) return {};
-  const SensorCorrection& c = calibration.of_sensor[sensor];
+  const PoseCorrection& c = calibration.of_sensor[sensor];
   const double quantile = student_quantile(calibration.joints - 1);
   const Eigen::Matrix<double, 7, 7> covariance = c.covariance * std::pow(quantile / kNormalQuantile, 2);
   const double reach_m = kNormalQuantile * std::sqrt(covariance(6, 6));
@@ -327,7 +328,7 @@ CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size
 
 SelfCalibration self_calibrate(std::span<const JointObservation> observations,
                                std::span<const RigidTransform> world_from_sensor,
-                               std::span<const std::uint32_t> joint, const CorrectionPriors& priors) {
+                               std::span<const std::uint32_t> joint, const PosePriors& priors) {
   TRILAT_CHECK(observations.size() == world_from_sensor.size() * joint.size() &&
                    world_from_sensor.size() <= kMaxSensors,
                "every row has an observation of every sensor");
@@ -335,8 +336,8 @@ SelfCalibration self_calibrate(std::span<const JointObservation> observations,
                "priors are greater than 0");
   Calibrator calibrator(observations, world_from_sensor, joint, priors);
   SelfCalibration result;
-  if (calibrator.rows() < kFewestRows)
-    result.problem = "fewer than " + std::to_string(kFewestRows) + " times do two sensors see the same joint";
+  if (calibrator.rows() < kMinRows)
+    result.problem = "fewer than " + std::to_string(kMinRows) + " times do two sensors see the same joint";
   else if (calibrator.joints() < 3)
     result.problem = "fewer than 3 joints are seen by two sensors";
   else

@@ -11,7 +11,7 @@
 namespace trilat {
 
 // How a sensor stands and measures beside what its calibration says. Covariance: of (turn, shift, range).
-struct SensorCorrection {
+struct PoseCorrection {
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  // rotation vector about the sensor, in the world
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();   // what it sees is so far from its place, in the world
   double range_m = 0.0;                                // its ranges are so much too long
@@ -21,22 +21,22 @@ struct SensorCorrection {
 };
 
 // The pose and the view without what the correction says.
-RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const SensorCorrection& correction);
+RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const PoseCorrection& correction);
 JointObservation corrected_view(const JointObservation& observation, const RigidTransform& world_from_sensor,
-                                const SensorCorrection& correction);
+                                const PoseCorrection& correction);
 
 // Standard deviations of a sensor's turn, shift (each an axis) and range offset before anything was seen.
 // Positive.
-struct CorrectionPriors {
+struct PosePriors {
   double turn_rad = 0.03;
   double shift_m = 0.01;
   double range_m = 0.015;
 };
 
 struct SelfCalibration {
-  std::vector<SensorCorrection> of_sensor;  // one each, zero when there is a problem
-  std::size_t rows = 0, joints = 0;         // that were used
-  std::string problem;                      // why nothing could be told; empty when something could
+  std::vector<PoseCorrection> of_sensor;  // one each, zero when there is a problem
+  std::size_t rows = 0, joints = 0;       // that were used
+  std::string problem;                    // why nothing could be told; empty when something could
 };
 
 // How much a sensor is turned (rad), shifted (m) and measures too far (m), with 95 % intervals of Student's t
@@ -67,6 +67,6 @@ CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size
 [[nodiscard]] SelfCalibration self_calibrate(std::span<const JointObservation> observations,
                                              std::span<const RigidTransform> world_from_sensor,
                                              std::span<const std::uint32_t> joint,
-                                             const CorrectionPriors& priors = {});
+                                             const PosePriors& priors = {});
 
 }  // namespace trilat

@@ -67,7 +67,7 @@ ContrastEstimate solve_contrast(const Contrast& contrast) {
   return result;
 }
 
-bool is_told_apart(const ContrastEstimate& difference, std::size_t others) {
+bool differs_significantly(const ContrastEstimate& difference, std::size_t others) {
   constexpr double kChance = 0.05;
   if (!(difference.value > 0.0) || difference.clusters < 2) return false;
   return difference.p_value() / 2.0 < kChance / static_cast<double>(others);

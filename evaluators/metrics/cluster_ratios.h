@@ -41,11 +41,11 @@ struct ContrastEstimate {
 // section 6.4). How often the intervals cover the truth: docs/explanation/intervals.md.
 ContrastEstimate solve_contrast(const Contrast& contrast);
 
-// Whether the first method of a paired difference (first - best) errs more than the best of it and `others`
-// methods in all: a one-sided test at 0.05 / others, since the best was chosen by the data that it is tested
+// Whether a method errs significantly more than the best of `others` methods, by the paired difference to it:
+// a one-sided test at 0.05 / others (Bonferroni), since the best was chosen by the data that it is tested
 // on. The methods that do not then hold the truly best in 95 % of campaigns at least. False without a
 // standard error.
-bool is_told_apart(const ContrastEstimate& difference, std::size_t others);
+bool differs_significantly(const ContrastEstimate& difference, std::size_t others);
 
 // The 95 % interval of the mean size sum(sums) / sum(counts), one of each a cluster; not below zero, and NaN
 // with fewer than two.

@@ -70,7 +70,7 @@ Linearised linearise(const RangeProblem& problem, const Vector3d& x_m, const Des
       q -= slope * inverse;
     }
     sum.cost += f * f;
-    sum.grain += std::abs(f) * distance;
+    sum.rounding_scale += std::abs(f) * distance;
     sum.gradient += slope * v;
     sum.matrix.add_outer(q, v);
   }

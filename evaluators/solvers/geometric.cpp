@@ -31,7 +31,7 @@ RangeProblem only(const RangeProblem& problem, const std::array<int, 3>& sensors
 }
 
 // The common points of three spheres: foot + height normal and foot - height normal.
-struct SphereMeeting {
+struct SphereIntersection {
   bool on_a_line = false;
   Eigen::Vector3d foot_m;
   Eigen::Vector3d normal;
@@ -39,10 +39,10 @@ struct SphereMeeting {
 };
 
 // In the frame of the sensors: x from the first to the second, y towards the third.
-SphereMeeting meeting_of(const RangeProblem& three) {
+SphereIntersection intersection_of(const RangeProblem& three) {
   const Eigen::Vector3d to_second = three.sensor_m[1] - three.sensor_m[0];
   const Eigen::Vector3d to_third = three.sensor_m[2] - three.sensor_m[0];
-  SphereMeeting result;
+  SphereIntersection result;
   const double d = to_second.norm();
   const double longest = std::max(d, to_third.norm());
   result.on_a_line = !(d > kLineRatio * longest);
@@ -70,7 +70,7 @@ PointEstimate solve_geometric(const RangeProblem& problem, const GeometricOption
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
   const RangeProblem three = only(problem, options.sensors);
   if (three.count < 3) return failed_estimate(SolveStatus::too_few_ranges);
-  const SphereMeeting meeting = meeting_of(three);
+  const SphereIntersection meeting = intersection_of(three);
   if (meeting.on_a_line) return failed_estimate(SolveStatus::rank_deficient);
   if (!std::isfinite(meeting.height_squared_m2) || !meeting.foot_m.allFinite())
     return failed_estimate(SolveStatus::diverged);

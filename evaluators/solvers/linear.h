@@ -27,9 +27,10 @@ struct LinearOptions {
   // in two directions only, whatever the joint, and the position is NaN.
   // Rounding errors of a position stay below about 1e-16 / rank_ratio of the distances.
   double rank_ratio = 1e-6;
-  // Of a range. The equations tell the distance from the sensors' plane with a standard error of about
-  // range_sigma_m * range / thickness, the thickness being the root of the sum of the sensors' squared
-  // distances from that plane. Sensors thinner than 10 range_sigma_m are nearly in one plane; 0: none are.
+  // Standard deviation of a range. The equations tell the distance from the sensors' plane with a standard
+  // error of about range_sigma_m * range / thickness, the thickness being the root of the sum of the sensors'
+  // squared distances from that plane. Sensors thinner than 10 range_sigma_m are nearly in one plane; 0: none
+  // are.
   double range_sigma_m = kUsualRangeSigma_m;
 };
 

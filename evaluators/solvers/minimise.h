@@ -13,10 +13,10 @@ namespace trilat {
 
 // A sum of squares F at a place x, half its derivative, and what a step inverts.
 struct Linearised {
-  Symmetric3 matrix;         // J^T J, or half the Hessian of F
-  Eigen::Vector3d gradient;  // J^T f
-  double cost = 0.0;         // F
-  double grain = 0.0;        // sum of |f| d: F's rounding error is some 1e-16 of it
+  Symmetric3 matrix;            // J^T J, or half the Hessian of F
+  Eigen::Vector3d gradient;     // J^T f
+  double cost = 0.0;            // F
+  double rounding_scale = 0.0;  // sum of |f| d: F's rounding error is some 1e-16 of it
 };
 
 // Where one descent from one start has ended.
@@ -64,7 +64,7 @@ inline double damping_factor(double gained, double predicted) {
 template <class Linearise>
 Descent minimise(const Linearise& linearise, const Eigen::Vector3d& start_m, double scale,
                  const DescentOptions& options) {
-  constexpr double kRounding = 4e-15;  // of the grain: a smaller change of F is rounding
+  constexpr double kRounding = 4e-15;  // of rounding_scale: a smaller change of F is rounding
   // Damping below which newton uses the whole Hessian: Gauss-Newton has then predicted F well. Farther off
   // the Hessian is indefinite, and its steps may leave for another minimum.
   constexpr double kTrusted = 2e-5;
@@ -94,7 +94,7 @@ Descent minimise(const Linearise& linearise, const Eigen::Vector3d& start_m, dou
     // Also where the step is not taken: at the minimum itself none is.
     if (is_positive && objective_rule_holds(options, -gained)) now.status = SolveStatus::converged;
     // Near the minimum F says nothing any more, and the gradient takes its place.
-    if (std::abs(gained) <= kRounding * here.grain) {
+    if (std::abs(gained) <= kRounding * here.rounding_scale) {
       predicted = dot(here.gradient, here.gradient);
       gained = predicted - dot(there.gradient, there.gradient);
     }

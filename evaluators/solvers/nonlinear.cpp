@@ -23,9 +23,9 @@ SolveStatus refusal_of(const SensorPlane& plane, const NonlinearOptions& options
 
 Vector3d start_of(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
   const Vector3d wanted_m =
-      wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
+      requested_start_m(problem, plane, options.start, options.start_point_m, options.linear);
   const bool is_safe = options.damping == Damping::none && wanted_m.allFinite();
-  return is_safe ? wanted_m : safe_start(problem, plane, wanted_m);
+  return is_safe ? wanted_m : plausible_start(problem, plane, wanted_m);
 }
 
 // Without damping: the one descent, or where the sensors are exactly in one plane its mirror image.
@@ -98,13 +98,13 @@ PointEstimate solve(const RangeProblem& problem, const SensorPlane& plane, const
 
 }  // namespace
 
-Vector3d wanted_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
-                        const Vector3d& start_point_m, const LinearOptions& linear) {
+Vector3d requested_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
+                           const Vector3d& start_point_m, const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
   if (start == Start::hint && problem.hint_m) return *problem.hint_m;
   if (start == Start::linear)
     if (const auto x_m = linear_position_m(problem, linear)) return *x_m;
-  return squared_range_position_m(problem, plane);
+  return solve_squared_ranges(problem, plane);
 }
 
 PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options) {

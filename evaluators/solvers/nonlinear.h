@@ -13,7 +13,7 @@
 namespace trilat {
 
 enum class Start : std::uint8_t {
-  squared_ranges,  // squared_range_position_m(): the global minimum of a nearby problem
+  squared_ranges,  // solve_squared_ranges(): the global minimum of a nearby problem
   linear,          // solve_linear(); when that has no answer, squared_ranges
   hint,            // the problem's hint; without one, squared_ranges
   point,           // start_point_m
@@ -30,9 +30,9 @@ struct NonlinearOptions : DescentOptions {
 };
 
 // Minimises F = sum (|x - s| - r)^2 (eq. 10) by Gauss-Newton or the full Hessian. With lm, starts that are
-// implausible are replaced as in safe_start(), and the descent also goes down from the mirror image of its
-// start; the best wins as in choose_minimum(). Without damping there is one descent, as the paper prints it,
-// and its mirror image counts only when the sensors are exactly in one plane. Ends with
+// implausible are replaced as in plausible_start(), and the descent also goes down from the mirror image of
+// its start; the best wins as in choose_minimum(). Without damping there is one descent, as the paper prints
+// it, and its mirror image counts only when the sensors are exactly in one plane. Ends with
 //   converged        the stop rule held
 //   rank_deficient   sensors on one line; or is_rank_deficient() at the end or, without damping, at
 //                    any iterate: a joint in the plane of the sensors is such a case
@@ -47,7 +47,7 @@ void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOpti
 
 // Where the options want to start. The problem must be one that refusal_of() does not refuse, and `plane` its
 // own, not collinear.
-Eigen::Vector3d wanted_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
-                               const Eigen::Vector3d& start_point_m, const LinearOptions& linear);
+Eigen::Vector3d requested_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
+                                  const Eigen::Vector3d& start_point_m, const LinearOptions& linear);
 
 }  // namespace trilat

@@ -26,7 +26,7 @@ using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 
-// Linearised in each lane, without the grain.
+// Linearised in each lane, without rounding_scale.
 struct LaneEquations {
   V xx, xy, xz, yy, yz, zz;  // J^T J
   V gx, gy, gz;              // gradient
@@ -239,9 +239,9 @@ HWY_AFTER_NAMESPACE();
 namespace trilat {
 HWY_EXPORT(DescendAll);
 
-void LaneRows::Free::operator()(double* p) const { std::free(p); }
+void AlignedRows::Free::operator()(double* p) const { std::free(p); }
 
-LaneRows::LaneRows(std::size_t rows, std::size_t lanes)
+AlignedRows::AlignedRows(std::size_t rows, std::size_t lanes)
     : stride_((lanes + kLaneBlock - 1) / kLaneBlock * kLaneBlock) {
   // Rows a power of two apart would fall into the same few places of the cache.
   if (rows > 1 && stride_ % (8 * kLaneBlock) == 0) stride_ += kLaneBlock;

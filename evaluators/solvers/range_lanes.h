@@ -14,10 +14,10 @@ namespace trilat {
 
 // Rows of doubles, one lane a problem, each row starting on a boundary of 64 bytes and filled up to a
 // multiple of kLaneBlock lanes. Zero at first.
-class LaneRows {
+class AlignedRows {
  public:
-  LaneRows() = default;
-  LaneRows(std::size_t rows, std::size_t lanes);
+  AlignedRows() = default;
+  AlignedRows(std::size_t rows, std::size_t lanes);
   double* row(std::size_t r) { return data_.get() + r * stride_; }
   const double* row(std::size_t r) const { return data_.get() + r * stride_; }
   std::size_t stride() const { return stride_; }
@@ -41,9 +41,9 @@ inline constexpr std::size_t kLaneBlock = 8;  // lanes of the widest vector
 struct RangeLanes {
   std::vector<Eigen::Vector3d> sensor_m;  // world; 1 to kMaxSensors
   std::size_t count = 0;                  // lanes in use
-  LaneRows range_m;                       // a row a sensor
-  LaneRows position_m;                    // x, y, z: the start, then the end
-  LaneRows iterations;                    // steps tried
+  AlignedRows range_m;                    // a row a sensor
+  AlignedRows position_m;                 // x, y, z: the start, then the end
+  AlignedRows iterations;                 // steps tried
   std::vector<SolveStatus> status;
 
   RangeLanes(std::span<const Eigen::Vector3d> sensors_m, std::size_t lanes);

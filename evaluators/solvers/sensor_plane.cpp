@@ -59,8 +59,8 @@ bool sensors_before(const RangeProblem& a, const RangeProblem& b) {
 
 namespace {
 
-constexpr double kFarthestStart = 2.0;     // of mean range and spread
-constexpr double kLeastStartOffset = 0.1;  // of the mean range
+constexpr double kMaxStartDistance = 2.0;  // of mean range and spread
+constexpr double kMinStartOffset = 0.1;    // of the mean range
 constexpr double kSameResidual_m = 1e-9;   // allows for rounding
 constexpr int kBetween = 32;               // steps from one descent's end to the other's
 
@@ -81,8 +81,9 @@ bool are_two_minima(const RangeProblem& problem, const Eigen::Vector3d& one_m,
   return false;
 }
 
-// Of two descents that ended on different sides.
-bool fit_alike(const RangeProblem& problem, const Descent& one, const Descent& other, double range_sigma_m) {
+// Whether two minima on different sides of the plane fit equally well.
+bool costs_do_not_decide(const RangeProblem& problem, const Descent& one, const Descent& other,
+                         double range_sigma_m) {
   const double apart_m = std::abs(residual_rms_m(problem, one.cost) - residual_rms_m(problem, other.cost));
   return apart_m <= kSameResidual_m || (!ranges_decide(std::abs(one.cost - other.cost), range_sigma_m) &&
                                         are_two_minima(problem, one.position_m, other.position_m));
@@ -90,17 +91,17 @@ bool fit_alike(const RangeProblem& problem, const Descent& one, const Descent& o
 
 }  // namespace
 
-Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
-                           const Eigen::Vector3d& wanted_m) {
+Eigen::Vector3d plausible_start(const RangeProblem& problem, const SensorPlane& plane,
+                                const Eigen::Vector3d& wanted_m) {
   double mean_range_m = 0.0;
   for (int i = 0; i < problem.count; ++i) mean_range_m += problem.range_m[i] / problem.count;
   const double spread_m = std::sqrt(plane.scatter_m2.sum() / problem.count);
   Eigen::Vector3d start = wanted_m;
-  // Negated, so that NaN counts as far.
-  if (!((start - plane.centroid_m).norm() <= kFarthestStart * (mean_range_m + spread_m)))
-    start = squared_range_position_m(problem, plane);
+  // !(a <= b) holds for NaN too.
+  if (!((start - plane.centroid_m).norm() <= kMaxStartDistance * (mean_range_m + spread_m)))
+    start = solve_squared_ranges(problem, plane);
   const double offset_m = plane.offset_m(start);
-  const double least_m = kLeastStartOffset * mean_range_m;
+  const double least_m = kMinStartOffset * mean_range_m;
   if (std::abs(offset_m) < least_m) start += (std::copysign(least_m, offset_m) - offset_m) * plane.normal();
   return start;
 }
@@ -114,7 +115,7 @@ Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, co
     const bool first_is_lower = first.cost < second.cost;
     chosen = first_is_lower ? first : second;
     const bool one_side = plane.offset_m(first.position_m) * plane.offset_m(second.position_m) > 0.0;
-    if (!one_side && fit_alike(problem, first, second, range_sigma_m)) {
+    if (!one_side && costs_do_not_decide(problem, first, second, range_sigma_m)) {
       const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.hint_m);
       if (choice.decided)
         chosen = choice.first ? first : second;

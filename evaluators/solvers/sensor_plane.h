@@ -68,10 +68,10 @@ inline MirrorChoice choose_mirror(const Eigen::Vector3d& first_m, const Eigen::V
 inline constexpr double kSameMinimum_m = 1e-6;
 
 // A start for a descent of full rank: finite and no farther from the sensors' middle than twice their mean
-// range and spread, else squared_range_position_m(); and at least a tenth of the mean range off the plane,
+// range and spread, else solve_squared_ranges(); and at least a tenth of the mean range off the plane,
 // where the derivative across it vanishes.
-Eigen::Vector3d safe_start(const RangeProblem& problem, const SensorPlane& plane,
-                           const Eigen::Vector3d& wanted_m);
+Eigen::Vector3d plausible_start(const RangeProblem& problem, const SensorPlane& plane,
+                                const Eigen::Vector3d& wanted_m);
 
 // Chooses between two descents. When ranges_decide(), or both ended on one side of the sensors' plane, the
 // lower cost wins, else choose_mirror() decides, and without a decision the status is mirror_ambiguous, of

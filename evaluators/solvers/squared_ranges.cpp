@@ -7,7 +7,7 @@
 namespace trilat {
 namespace {
 
-constexpr int kMostSteps = 60;
+constexpr int kMaxSteps = 60;
 constexpr double kRootTolerance = 1e-13;
 
 // phi(mu) = sum_j c_j^2 / (gap_j + mu)^2 - level - mu / (2 n), with gap_0 = 0 the least: convex and
@@ -28,7 +28,7 @@ struct Secular {
 // oversteps it; from the right it lands on the left of it, or beyond the pole and is halved.
 double root_of(const Secular& phi, double guess) {
   double mu = guess;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     double next = mu - phi.value(mu) / phi.derivative(mu);
     if (!(next > 0.0)) next = 0.5 * mu;
     const double change = std::abs(next - mu);
@@ -40,7 +40,7 @@ double root_of(const Secular& phi, double guess) {
 
 }  // namespace
 
-Eigen::Vector3d squared_range_position_m(const RangeProblem& problem, const SensorPlane& plane) {
+Eigen::Vector3d solve_squared_ranges(const RangeProblem& problem, const SensorPlane& plane) {
   const double n = problem.count;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   double total = 0.0;

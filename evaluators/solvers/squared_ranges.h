@@ -15,6 +15,6 @@ namespace trilat {
 // is y_j = c_j / (4 scatter_j + mu). When the sensors stand in one plane there are two, mirror images of each
 // other; this is the one on the side of the plane's normal. `plane` is that of the
 // problem, not collinear.
-Eigen::Vector3d squared_range_position_m(const RangeProblem& problem, const SensorPlane& plane);
+Eigen::Vector3d solve_squared_ranges(const RangeProblem& problem, const SensorPlane& plane);
 
 }  // namespace trilat

@@ -97,7 +97,7 @@ class Fitter {
     for (const double gate_m : {0.6 * r, 0.6 * r, 0.6 * r, 0.3 * r, 0.3 * r}) {
       const Sums sums = coarse(gate_m, stride);
       if (sums.behind > kMaxBehindShare * sums.looked_at) {
-        failed(BallFitStatus::seen_through);
+        failed(BallFitStatus::see_through_pixels);
         return result_;
       }
       if (!step(sums)) return result_;
@@ -175,7 +175,7 @@ class Fitter {
       }
     }
     if (result_.inner_behind > kMaxInnerBehindShare * result_.inner)
-      return failed(BallFitStatus::seen_through);
+      return failed(BallFitStatus::see_through_pixels);
     leave_out_beside_hidden(seen, gate);
     return true;
   }
@@ -274,7 +274,7 @@ BallFit fit_ball(std::span<const RayDepth> pixels, const Vector3d& start_in_sens
   return Fitter(pixels, start_in_sensor_m, options).run();
 }
 
-DepthInfluence depth_influence(const Vector3d& centre_in_sensor_m, const BallFitOptions& options) {
+DepthSensitivity depth_influence(const Vector3d& centre_in_sensor_m, const BallFitOptions& options) {
   constexpr int kHalf = 16;  // rays to each side of the middle; a thousand make sums of an integral
   const Vector3d middle = centre_in_sensor_m / centre_in_sensor_m.z();
   // Off the axis the disc is stretched by up to 1 / cos^2 of the angle.

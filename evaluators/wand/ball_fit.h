@@ -33,11 +33,11 @@ struct BallFitOptions {
 enum class BallFitStatus : std::uint8_t {
   not_fitted,
   fitted,
-  seen_through,     // at too many of its pixels something behind the ball is seen
-  too_few_pixels,   // less than kMinBallPixels agree with a ball near the start
-  rank_deficient,   // they do not determine a centre
-  left_start,       // a step of more than a radius
-  iteration_limit,  // the last step was longer than kBallStep_m
+  see_through_pixels,  // at too many of its pixels something behind the ball is seen
+  too_few_pixels,      // less than kMinBallPixels agree with a ball near the start
+  rank_deficient,      // they do not determine a centre
+  left_start,          // a step of more than a radius
+  iteration_limit,     // the last step was longer than kBallStep_m
 };
 inline constexpr int kMinBallPixels = 25;
 inline constexpr double kBallStep_m = 1e-9;
@@ -69,17 +69,17 @@ struct BallFit {
 [[nodiscard]] BallFit fit_ball(std::span<const RayDepth> pixels, const Eigen::Vector3d& start_in_sensor_m,
                                const BallFitOptions& options);
 
-// What a sensor's depth is off by moves the centre that is fitted: an error e(z) of the depth z, that of all
-// pixels, by by_error * e(depth_m) + by_slope * e'(depth_m), to first order. Off the optical axis the ball's
-// surface is farther on one side than on the other, so that a slope moves the centre sideways.
-struct DepthInfluence {
+// Sensitivity of the fitted centre to depth errors: an error e(z) of the depth z of all pixels moves it by
+// by_error * e(depth_m) + by_slope * e'(depth_m), to first order. Off the optical axis the ball's surface is
+// farther on one side than on the other, so that a slope moves the centre sideways.
+struct DepthSensitivity {
   double depth_m = 0.0;                                // of the surface, the mean by weight
   Eigen::Vector3d by_error = Eigen::Vector3d::Zero();  // without unit
   Eigen::Vector3d by_slope_m = Eigen::Vector3d::Zero();
 };
 
 // Of a ball that is seen whole.
-[[nodiscard]] DepthInfluence depth_influence(const Eigen::Vector3d& centre_in_sensor_m,
-                                             const BallFitOptions& options);
+[[nodiscard]] DepthSensitivity depth_influence(const Eigen::Vector3d& centre_in_sensor_m,
+                                               const BallFitOptions& options);
 
 }  // namespace trilat

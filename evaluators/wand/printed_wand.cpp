@@ -28,7 +28,7 @@ std::vector<double> standardised_cm(const DepthImageView& image, Reading invalid
 }
 
 // The labelled pixels (T) are those with a depth of at most `threshold_cm`.
-struct Labelled {
+struct PixelSet {
   double threshold_cm = kFarthest_cm;
   int pixels = 0;
   double sum_cm = 0.0;
@@ -39,10 +39,10 @@ struct Labelled {
   bool contains(double depth_cm) const { return depth_cm != kLeftOut && depth_cm <= threshold_cm; }
 };
 
-// Of the pixels within the box of `within`.
-Labelled label(const std::vector<double>& depth_cm, int width_px, double threshold_cm,
-               const Labelled& within) {
-  Labelled t{.threshold_cm = threshold_cm, .left = width_px, .top = INT32_MAX, .right = -1, .bottom = -1};
+// Labels the pixels inside the box of `within`.
+PixelSet label(const std::vector<double>& depth_cm, int width_px, double threshold_cm,
+               const PixelSet& within) {
+  PixelSet t{.threshold_cm = threshold_cm, .left = width_px, .top = INT32_MAX, .right = -1, .bottom = -1};
   for (int row = within.top; row <= within.bottom; ++row)
     for (int column = within.left; column <= within.right; ++column) {
       const double here_cm = depth_cm[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_px) +
@@ -61,18 +61,18 @@ Labelled label(const std::vector<double>& depth_cm, int width_px, double thresho
 }
 
 // R of eq. 2.
-double next_threshold_cm(const Labelled& t, const PrintedWandOptions& options) {
+double next_threshold_cm(const PixelSet& t, const PrintedWandOptions& options) {
   return options.c_offset *
-         (options.binarisation == Binarisation::mid_range ? t.min_cm + t.max_cm : t.sum_cm / t.pixels);
+         (options.binarisation == ThresholdRule::mid_range ? t.min_cm + t.max_cm : t.sum_cm / t.pixels);
 }
 
-bool stops(const Labelled& t, const PrintedWandOptions& options) {  // eq. 3 and erratum E1
+bool stops(const PixelSet& t, const PrintedWandOptions& options) {  // eq. 3 and erratum E1
   switch (options.binarisation) {
-    case Binarisation::printed:
+    case ThresholdRule::printed:
       return t.min_cm * options.c_offset >= t.max_cm;
-    case Binarisation::corrected:
+    case ThresholdRule::corrected:
       return t.min_cm >= options.c_offset * t.max_cm;
-    case Binarisation::mid_range:
+    case ThresholdRule::mid_range:
       return next_threshold_cm(t, options) >= t.max_cm;
   }
   TRILAT_CHECK(false, "every way to binarise has its stop rule");
@@ -80,7 +80,7 @@ bool stops(const Labelled& t, const PrintedWandOptions& options) {  // eq. 3 and
 
 // D at P_m. Our reading where the paper is silent: the pixel up and left of a middle between pixels, and the
 // labelled pixel nearest to it when it is invalid and invalid pixels are left out.
-double depth_at_middle_cm(const std::vector<double>& depth_cm, int width_px, const Labelled& t) {
+double depth_at_middle_cm(const std::vector<double>& depth_cm, int width_px, const PixelSet& t) {
   const int column = (t.left + t.right) / 2;
   const int row = (t.top + t.bottom) / 2;
   const auto at = [&](int c, int r) {
@@ -102,7 +102,7 @@ double depth_at_middle_cm(const std::vector<double>& depth_cm, int width_px, con
 
 // Eq. 4 and 5 with errata E2 and E3, turned to the sensor's frame; NaN where the lens model has no ray.
 Vector3d centre_in_sensor_m(const std::vector<double>& depth_cm, const DepthIntrinsics& intrinsics,
-                            const Labelled& t, const PrintedWandOptions& options) {
+                            const PixelSet& t, const PrintedWandOptions& options) {
   const Vector2d middle_px(0.5 * (t.left + t.right), 0.5 * (t.top + t.bottom));
   const double depth = depth_at_middle_cm(depth_cm, intrinsics.width_px, t);
   Vector3d surface_cm = Vector3d::Constant(NAN);
@@ -126,16 +126,16 @@ WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& 
                    image.depth_mm.size() == rays.x.size(),
                "the image has the size of the camera's rays");
   const std::vector<double> depth_cm = standardised_cm(image, options.invalid_pixels);
-  const Labelled whole{.right = image.width_px - 1, .bottom = image.height_px - 1};
-  const Labelled everything = label(depth_cm, image.width_px, kFarthest_cm, whole);
+  const PixelSet whole{.right = image.width_px - 1, .bottom = image.height_px - 1};
+  const PixelSet everything = label(depth_cm, image.width_px, kFarthest_cm, whole);
   WandSighting sighting{.status = WandStatus::no_wand};
   if (everything.pixels == 0) return sighting;
-  Labelled labelled = everything;
+  PixelSet labelled = everything;
   sighting.status = WandStatus::not_ended;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     // a lower threshold leaves nothing outside the box of the pixels that the last one left
     const double threshold_cm = next_threshold_cm(labelled, options);
-    const Labelled next = label(depth_cm, image.width_px, threshold_cm,
+    const PixelSet next = label(depth_cm, image.width_px, threshold_cm,
                                 threshold_cm <= labelled.threshold_cm ? labelled : whole);
     if (next.pixels == 0) {
       if (iteration == 0) sighting.status = WandStatus::no_wand;

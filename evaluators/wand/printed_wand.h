@@ -15,13 +15,13 @@ enum class Reading : std::uint8_t { printed, corrected };
 // when D <= C Ave, and it ends when Min C >= Max, which never holds; corrected: when Min >= C Max. By the
 // mid-range, C = 0.5025 is half of 1.005: a pixel goes on when D <= C (Min + Max), and it ends when all of
 // them do (Max <= 1.0101 Min), because then no later label map differs.
-enum class Binarisation : std::uint8_t { printed, corrected, mid_range };
+enum class ThresholdRule : std::uint8_t { printed, corrected, mid_range };
 
 // The paper's wand recognition (eq. 1 to 5) with a switch for each thing that cannot be so.
 struct PrintedWandOptions {
   Reading invalid_pixels =
       Reading::printed;  // eq. 1 lifts them to 50 cm, the nearest of all; corrected: left out
-  Binarisation binarisation = Binarisation::printed;
+  ThresholdRule binarisation = ThresholdRule::printed;
   Reading projection = Reading::printed;  // E2, eq. 4: linear in the angle; corrected: lens model
   Reading centre = Reading::printed;      // E3, eq. 5: z + width in pixels; corrected: radius along the ray
   double c_offset = 0.5025;

@@ -106,7 +106,7 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
                        {calibration.filename().string(), hash_of_file(calibration, watch.stop_requested)}};
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {
     SensorPose& pose = *std::ranges::find(corrected.sensors, plan.rig[s], &SensorPose::name);
-    const SensorCorrection& shown = data.shown.of_sensor[s];
+    const PoseCorrection& shown = data.shown.of_sensor[s];
     if (shown.views == 0) continue;  // stays as it was
     pose.world_from_sensor = data.corrected_rig[s];
     pose.covariance = shown.covariance.topLeftCorner<6, 6>();

@@ -142,7 +142,7 @@ bool is_marker(AssetType type) {
   return type == AssetType::marker || type == AssetType::bone_marker || type == AssetType::rigid_body_marker;
 }
 
-// Labelled markers may stand in an export twice, measured and solved: the measured one.
+// PixelSet markers may stand in an export twice, measured and solved: the measured one.
 std::optional<std::string> key_called(const MocapHeader& header, const std::string& name, bool bone) {
   std::optional<std::size_t> found;
   if (bone)

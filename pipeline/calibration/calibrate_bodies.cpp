@@ -104,8 +104,8 @@ RigProblem part_of(const RigProblem& problem, const std::function<bool(std::size
 
 RigStart start_of(const RigProblem& problem) {
   const RigStartOptions options{.tolerance_m = 0.15, .least_breadth_m = 0.1};
-  RigStart start = start_rig(part_of(problem, is_midline), options);
-  if (!start.complete()) start = start_rig(problem, options);
+  RigStart start = initial_poses(part_of(problem, is_midline), options);
+  if (!start.complete()) start = initial_poses(problem, options);
   return start;
 }
 
@@ -270,7 +270,7 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   refinement.rejection_rounds = 0;
   refinement.covariances = false;
   const RigRefinement refined =
-      refine_rig(problem, start.reference_from_sensor, start.reference, gauge, refinement);
+      bundle_adjust(problem, start.reference_from_sensor, start.reference, gauge, refinement);
   if (refined.status != RigStatus::converged)
     throw InputError(path.string(),
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));

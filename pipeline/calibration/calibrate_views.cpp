@@ -15,14 +15,14 @@ namespace {
 
 constexpr std::size_t kFewestPositions = 3;
 
-RigProblem problem_of(const WandViews& views, const CalibrateWandOptions& options) {
+RigProblem problem_of(const WandObservations& views, const CalibrateWandOptions& options) {
   RigProblem problem{views.evidence.size(), views.positions.size(), {}};
   const FindWandOptions& find = options.search.find;
   const BallFitOptions fit{
       .radius_m = find.ball_radius_m, .noise = find.noise, .lateral_sigma_m = find.lateral_sigma_m};
   const double uncorrected_m = options.depth_correction ? 0.0 : options.uncorrected_depth_sigma_m;
   for (std::size_t p = 0; p < views.positions.size(); ++p)
-    for (const RestingBall& ball : views.positions[p].seen)
+    for (const StaticSighting& ball : views.positions[p].seen)
       problem.observations.push_back(
           {ball.sensor, p, ball.centre_in_sensor_m,
            ball.covariance_m2 + uncorrected_m * uncorrected_m * Eigen::Matrix3d::Identity(),
@@ -56,7 +56,7 @@ std::string why_nothing_seen(const SensorEvidence& search) {
 }
 
 // `saw_alone`: sensors that saw the ball, but only where no other did.
-void check_placement(const RigStart& start, const WandViews& views, const std::vector<bool>& saw_alone,
+void check_placement(const RigStart& start, const WandObservations& views, const std::vector<bool>& saw_alone,
                      const std::string& place) {
   std::string placed;
   for (std::size_t s = 0; s < start.placement.size(); ++s)
@@ -89,17 +89,17 @@ void check_placement(const RigStart& start, const WandViews& views, const std::v
   }
 }
 
-RigGauge gauge_of(const WandViews& views, const CalibrateWandOptions& options) {
+RigGauge gauge_of(const WandObservations& views, const CalibrateWandOptions& options) {
   RigGauge gauge;
   if (options.world)
-    gauge.known_points =
+    gauge.control_points =
         known_positions(*options.world, std::span(views.positions).first(views.positions_of_first));
   else
-    gauge.first_points = FirstPoints{{0, 1, 2}, options.movement_m, options.movement_sigma_m};
+    gauge.first_points = GaugePoints{{0, 1, 2}, options.baseline_m, options.movement_sigma_m};
   return gauge;
 }
 
-void check_refined(const RigRefinement& refined, const WandViews& views, const std::string& place) {
+void check_refined(const RigRefinement& refined, const WandObservations& views, const std::string& place) {
   if (refined.status == RigStatus::gauge_undetermined)
     throw InputError(place,
                      "does not fix the world: the first three wand positions lie on a line or were not seen "
@@ -136,7 +136,7 @@ SensorPose pose_from(const RefinedSensor& refined, const std::string& name) {
 
 // The sightings that were left out, each with its distance from where the others see the ball.
 std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRefinement& refined,
-                                          const WandViews& views) {
+                                          const WandObservations& views) {
   std::vector<RejectedSighting> rejected;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     if (refined.used[i]) continue;
@@ -152,7 +152,7 @@ std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRe
 
 // One sensor that disagrees at many places has other intrinsics than stated or was moved: its pose would be
 // wrong without looking so.
-void check_agreement(const RigRefinement& refined, const WandViews& views, const std::string& place) {
+void check_agreement(const RigRefinement& refined, const WandObservations& views, const std::string& place) {
   constexpr double kMost = 1.0 / 3.0;
   constexpr double kMostDepth = 100.0;  // chi squared of 25 exceeds it once in 10^10
   for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
@@ -170,20 +170,20 @@ void check_agreement(const RigRefinement& refined, const WandViews& views, const
   }
 }
 
-void check_stated_movement(const WandViews& views, const CalibrateWandOptions& options) {
+void check_stated_movement(const WandObservations& views, const CalibrateWandOptions& options) {
   const std::optional<double> seen_m = seen_movement_m(views);
-  if (!seen_m || !options.movement_m) return;
-  if (std::abs(*seen_m - *options.movement_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
+  if (!seen_m || !options.baseline_m) return;
+  if (std::abs(*seen_m - *options.baseline_m) > 0.05 * *seen_m + 3.0 * options.movement_sigma_m)
     throw InputError(
         "--movement-m",
         fmt::format(
             "is {:.3f}, but the sensors saw the ball move by {:.3f} m from its first place to its second",
-            *options.movement_m, *seen_m));
+            *options.baseline_m, *seen_m));
 }
 
 }  // namespace
 
-void check_first_places(const WandViews& views, const std::string& place) {
+void check_first_places(const WandObservations& views, const std::string& place) {
   constexpr double kLeast_m = 0.3;
   const std::optional<double> seen_m = seen_movement_m(views);
   if (seen_m && *seen_m < kLeast_m)
@@ -192,12 +192,12 @@ void check_first_places(const WandViews& views, const std::string& place) {
                                         *seen_m, kLeast_m));
 }
 
-WandCalibration calibrate_views(WandViews views, const std::string& place,
+WandCalibration calibrate_views(WandObservations views, const std::string& place,
                                 const CalibrateWandOptions& options) {
   const std::vector<bool> saw_before = sensors_that_saw(views);
-  keep_useful_positions(views);
+  drop_unusable_positions(views);
   const RigProblem problem = problem_of(views, options);
-  const RigStart start = start_rig(problem, {});
+  const RigStart start = initial_poses(problem, {});
   check_placement(start, views, saw_before, place);
   if (views.positions.size() < kFewestPositions)
     throw InputError(place,
@@ -209,8 +209,8 @@ WandCalibration calibrate_views(WandViews views, const std::string& place,
   }
   RigRefinementOptions refinement;
   if (options.depth_correction) refinement.depth_correction = DepthCorrectionOptions{};
-  const RigRefinement refined =
-      refine_rig(problem, start.reference_from_sensor, start.reference, gauge_of(views, options), refinement);
+  const RigRefinement refined = bundle_adjust(problem, start.reference_from_sensor, start.reference,
+                                              gauge_of(views, options), refinement);
   check_refined(refined, views, place);
   check_agreement(refined, views, place);
   WandCalibration result;

@@ -14,7 +14,7 @@ namespace trilat {
 
 struct CalibrateWandOptions : ViewWandOptions {
   std::optional<WandInWorld> world = std::nullopt;
-  std::optional<double> movement_m = std::nullopt;  // from the first place to the second, when measured
+  std::optional<double> baseline_m = std::nullopt;  // from the first place to the second, when measured
   double movement_sigma_m = 0.001;
   bool depth_correction = true;
   // Axis of the paper's two positions; without: y as printed, z (a horizontal axis) corrected.
@@ -25,18 +25,18 @@ struct CalibrateWandOptions : ViewWandOptions {
 
 struct WandCalibration {
   Calibration calibration;
-  WandViews views;
+  WandObservations views;
   std::vector<Eigen::Vector3d> position_in_world_m;  // NaN when nothing of it was used
 };
 
 // InputError at `place` when the wand's first two places, which make the x axis, lie within 0.3 m of each
 // other as the sensors saw them.
-void check_first_places(const WandViews& views, const std::string& place);
+void check_first_places(const WandObservations& views, const std::string& place);
 
 // Sensor poses from what a wand showed that was held still at many places (see docs/how-to/calibrate.md). The
 // first three places are the world's origin, its x axis and the side of its y axis, unless OptiTrack says
 // where the wand was. InputError at `place` says which sensor cannot be placed and why.
-WandCalibration calibrate_views(WandViews views, const std::string& place,
+WandCalibration calibrate_views(WandObservations views, const std::string& place,
                                 const CalibrateWandOptions& options);
 
 }  // namespace trilat

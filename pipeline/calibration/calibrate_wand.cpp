@@ -13,13 +13,13 @@ namespace trilat {
 namespace {
 
 // Poses in the wand's frame, in OptiTrack's world.
-void put_in_world(Calibration& calibration, const WandViews& views, const WandInWorld& world) {
+void put_in_world(Calibration& calibration, const WandObservations& views, const WandInWorld& world) {
   AlignmentSums sums;
-  for (const KnownPoint& known :
+  for (const ControlPoint& known :
        known_positions(world, std::span(views.positions).first(views.positions_of_first))) {
-    const std::vector<RestingBall>& seen = views.positions[known.point].seen;
+    const std::vector<StaticSighting>& seen = views.positions[known.point].seen;
     Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-    for (const RestingBall& ball : seen)
+    for (const StaticSighting& ball : seen)
       sum_m += calibration.sensors[ball.sensor].world_from_sensor * ball.centre_in_sensor_m;
     sums.add(sum_m / static_cast<double>(seen.size()), known.point_in_world_m);
   }
@@ -33,7 +33,7 @@ void put_in_world(Calibration& calibration, const WandViews& views, const WandIn
 }
 
 WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
-                                 const CalibrateWandOptions& options, WandViews views) {
+                                 const CalibrateWandOptions& options, WandObservations views) {
   const bool corrected = method == WandMethod::two_positions;
   const TwoPositionOptions two{
       options.trajectory_axis.value_or(corrected ? TrajectoryAxis::z : TrajectoryAxis::y), corrected,
@@ -41,15 +41,15 @@ WandCalibration calibrate_by_two(const SessionReader& first, WandMethod method,
   std::vector<std::optional<FloorPlane>> floors(views.evidence.size());
   for (std::size_t s = 0; corrected && s < floors.size(); ++s) floors[s] = floor_seen_by(first, s);
   WandCalibration result;
-  result.calibration = calibrate_two_positions(views, first.path().string(), two, options.movement_m, floors);
+  result.calibration = calibrate_two_positions(views, first.path().string(), two, options.baseline_m, floors);
   if (options.world) put_in_world(result.calibration, views, *options.world);
   result.views = std::move(views);
   return result;
 }
 
-const RestingBall& ball_at(const WandViews& views, std::size_t position, std::size_t sensor,
-                           const std::string& place) {
-  for (const RestingBall& ball : views.positions[position].seen)
+const StaticSighting& ball_at(const WandObservations& views, std::size_t position, std::size_t sensor,
+                              const std::string& place) {
+  for (const StaticSighting& ball : views.positions[position].seen)
     if (ball.sensor == sensor) return ball;
   throw InputError(place, "sensor \"" + views.evidence[sensor].name + "\" does not see the wand's " +
                               (position == 0 ? "first" : "second") +
@@ -74,7 +74,7 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
   const std::vector<SessionReader> sessions(files.begin(), files.end());
   // before minutes of work
   if (options.world) options.world->track = read_wand_track(options.world->mocap, options.world->asset);
-  const WandViews views = view_wand(sessions, options);
+  const WandObservations views = view_wand(sessions, options);
   std::vector<WandCalibration> results;
   for (const WandMethod method : methods)
     results.push_back(calibrate_searched(method, sessions.front(), options, views));
@@ -90,23 +90,23 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
 }
 
 WandCalibration calibrate_searched(WandMethod method, const SessionReader& first,
-                                   const CalibrateWandOptions& options, const WandViews& views) {
+                                   const CalibrateWandOptions& options, const WandObservations& views) {
   return method == WandMethod::wand ? calibrate_views(views, first.path().string(), options)
                                     : calibrate_by_two(first, method, options, views);
 }
 
-Calibration calibrate_two_positions(const WandViews& all_views, const std::string& place,
-                                    const TwoPositionOptions& options, std::optional<double> movement_m,
+Calibration calibrate_two_positions(const WandObservations& all_views, const std::string& place,
+                                    const TwoPositionOptions& options, std::optional<double> baseline_m,
                                     std::span<const std::optional<FloorPlane>> floors) {
-  WandViews views = all_views;
-  keep_useful_positions(views);
+  WandObservations views = all_views;
+  drop_unusable_positions(views);
   if (views.positions.size() < 2) throw InputError(place, "shows the wand at rest at fewer than two places");
   check_first_places(views, place);
   const std::size_t sensors = views.evidence.size();
-  if (!movement_m) {
-    movement_m = 0.0;
+  if (!baseline_m) {
+    baseline_m = 0.0;
     for (std::size_t s = 0; s < sensors; ++s)
-      *movement_m +=
+      *baseline_m +=
           (ball_at(views, 1, s, place).centre_in_sensor_m - ball_at(views, 0, s, place).centre_in_sensor_m)
               .norm() /
           static_cast<double>(sensors);
@@ -122,7 +122,7 @@ Calibration calibrate_two_positions(const WandViews& all_views, const std::strin
     if (floors[s]) own.up_in_sensor = floors[s]->up_in_sensor;
     const TwoPositionPose pose =
         solve_two_positions(ball_at(views, 0, s, place).centre_in_sensor_m,
-                            ball_at(views, 1, s, place).centre_in_sensor_m, *movement_m, own);
+                            ball_at(views, 1, s, place).centre_in_sensor_m, *baseline_m, own);
     if (pose.status != TwoPositionStatus::solved)
       throw InputError(place,
                        "sensor \"" + views.evidence[s].name + "\" has no pose: " + name_of(pose.status));

@@ -32,14 +32,14 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
 
 // The same by one method, where the wand was looked for already. `first`: the first recording.
 WandCalibration calibrate_searched(WandMethod method, const SessionReader& first,
-                                   const CalibrateWandOptions& options, const WandViews& views);
+                                   const CalibrateWandOptions& options, const WandObservations& views);
 
 // The paper's calibration from the first two wand positions (eq. 6 and 7), as printed or corrected. Without
-// `movement_m` the wand moved by the mean of what the sensors saw. `floors`: one entry a sensor, whose normal
+// `baseline_m` the wand moved by the mean of what the sensors saw. `floors`: one entry a sensor, whose normal
 // is the sensor's vertical where it has one; else that is the sensor's own y axis, as the paper assumes.
 // InputError at `place` when a sensor did not see both positions or has no angle, with the reason.
-Calibration calibrate_two_positions(const WandViews& views, const std::string& place,
-                                    const TwoPositionOptions& options, std::optional<double> movement_m,
+Calibration calibrate_two_positions(const WandObservations& views, const std::string& place,
+                                    const TwoPositionOptions& options, std::optional<double> baseline_m,
                                     std::span<const std::optional<FloorPlane>> floors);
 
 }  // namespace trilat

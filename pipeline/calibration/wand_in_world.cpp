@@ -66,7 +66,7 @@ WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string&
   return track;
 }
 
-std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions) {
+std::vector<ControlPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions) {
   const WandTrack track = world.track ? *world.track : read_wand_track(world.mocap, world.asset);
   std::vector<PointMean> means(positions.size());
   for (std::size_t i = 0; i < track.times.size(); ++i) {
@@ -74,7 +74,7 @@ std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<cons
     for (std::size_t p = 0; p < positions.size(); ++p)
       if (positions[p].first <= time && time <= positions[p].last) means[p].add(track.position_m[i]);
   }
-  std::vector<KnownPoint> known;
+  std::vector<ControlPoint> known;
   for (std::size_t p = 0; p < positions.size(); ++p)
     if (means[p].samples > 0 && means[p].farthest_m <= kStill_m)
       known.push_back(

@@ -49,6 +49,6 @@ WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string&
 // Where OptiTrack saw the wand while it rested: the mean over each position's interval, as sure as its
 // samples and `sigma_m` say. Positions that the export does not cover, or at which the asset moved by more
 // than 5 mm, are left out. InputError when fewer than three are left.
-std::vector<KnownPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions);
+std::vector<ControlPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions);
 
 }  // namespace trilat

@@ -67,8 +67,8 @@ std::vector<SearchedBlock> search_all(const SessionReader& session, const WandSe
   return blocks;
 }
 
-void add_rests(SensorEvidence& evidence, const std::vector<RestingBall>& rests) {
-  for (const RestingBall& ball : rests) {
+void add_rests(SensorEvidence& evidence, const std::vector<StaticSighting>& rests) {
+  for (const StaticSighting& ball : rests) {
     const double distance_m = ball.centre_in_sensor_m.norm();
     evidence.nearest_m = evidence.rests == 0 ? distance_m : std::min(evidence.nearest_m, distance_m);
     evidence.farthest_m = std::max(evidence.farthest_m, distance_m);
@@ -76,7 +76,7 @@ void add_rests(SensorEvidence& evidence, const std::vector<RestingBall>& rests) 
   }
 }
 
-void add_recording(WandViews& views, const SessionReader& session, const ViewWandOptions& options) {
+void add_recording(WandObservations& views, const SessionReader& session, const ViewWandOptions& options) {
   std::vector<std::vector<TimedSighting>> found(views.evidence.size());
   for (const SearchedBlock& block : search_all(session, options.search)) {
     SensorEvidence& evidence = views.evidence[block.sensor];
@@ -86,9 +86,9 @@ void add_recording(WandViews& views, const SessionReader& session, const ViewWan
       if (auto& all = found[block.sensor]; all.empty() || all.back().time < sighting.time)
         all.push_back(sighting);
   }
-  std::vector<RestingBall> rests;
+  std::vector<StaticSighting> rests;
   for (std::size_t s = 0; s < found.size(); ++s) {
-    const std::vector<RestingBall> more = find_rests(found[s], s, options.positions);
+    const std::vector<StaticSighting> more = find_static_intervals(found[s], s, options.positions);
     add_rests(views.evidence[s], more);
     rests.insert(rests.end(), more.begin(), more.end());
   }
@@ -100,8 +100,8 @@ void add_recording(WandViews& views, const SessionReader& session, const ViewWan
 
 // Whether a sensor that saw both saw the ball in one place.
 bool are_one_place(const WandPosition& a, const WandPosition& b, double within_m) {
-  for (const RestingBall& one : a.seen)
-    for (const RestingBall& other : b.seen)
+  for (const StaticSighting& one : a.seen)
+    for (const StaticSighting& other : b.seen)
       if (one.sensor == other.sensor)
         return (one.centre_in_sensor_m - other.centre_in_sensor_m).norm() < within_m;
   return false;
@@ -128,14 +128,14 @@ bool are_of_one_rig(const SessionReader& a, const SessionReader& b) {
 
 }  // namespace
 
-WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options) {
+WandObservations view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options) {
   for (const SessionReader& session : sessions) {  // all of them before minutes of work
     check_depth(session);
     if (!are_of_one_rig(sessions.front(), session))
       throw InputError(session.path().string(),
                        "has other sensors than the first session; all recordings must be of one rig");
   }
-  WandViews views;
+  WandObservations views;
   for (const SensorDescription& sensor : sessions.front().header().sensors)
     views.evidence.push_back({.name = sensor.name, .statuses = {}});
   for (std::size_t r = 0; r < sessions.size(); ++r) {
@@ -156,16 +156,16 @@ HostTime start_of_depth(const SessionReader& session) {
   return *start;
 }
 
-std::vector<bool> sensors_that_saw(const WandViews& views) {
+std::vector<bool> sensors_that_saw(const WandObservations& views) {
   std::vector<bool> saw(views.evidence.size(), false);
   for (const WandPosition& position : views.positions)
-    for (const RestingBall& ball : position.seen) saw[ball.sensor] = true;
+    for (const StaticSighting& ball : position.seen) saw[ball.sensor] = true;
   return saw;
 }
 
 // Places that only one sensor saw do not show where it stands beside the others, and a hand that drifts
 // may make two rests of one place.
-void keep_useful_positions(WandViews& views) {
+void drop_unusable_positions(WandObservations& views) {
   constexpr double kSamePlace_m = 0.05;
   std::vector<WandPosition> kept;
   std::size_t kept_of_first = 0;
@@ -180,10 +180,10 @@ void keep_useful_positions(WandViews& views) {
   views.positions_of_first = kept_of_first;
 }
 
-std::optional<double> seen_movement_m(const WandViews& views) {
+std::optional<double> seen_movement_m(const WandObservations& views) {
   double sum_m = 0.0, count = 0.0;
-  for (const RestingBall& first : views.positions[0].seen)
-    for (const RestingBall& second : views.positions[1].seen)
+  for (const StaticSighting& first : views.positions[0].seen)
+    for (const StaticSighting& second : views.positions[1].seen)
       if (first.sensor == second.sensor) {
         sum_m += (second.centre_in_sensor_m - first.centre_in_sensor_m).norm();
         count += 1.0;

@@ -37,7 +37,7 @@ struct SensorEvidence {
 };
 
 // Where the wand was held, of all recordings one after the other.
-struct WandViews {
+struct WandObservations {
   std::vector<SensorEvidence> evidence;  // one a sensor
   std::vector<WandPosition> positions;
   std::size_t positions_of_first = 0;  // of the first recording, which OptiTrack's export belongs to
@@ -52,19 +52,19 @@ struct ViewWandOptions {
 // Where the wand was held in recordings of one rig, by all their depth frames. The result does not depend on
 // the number of threads. InputError names the sensor that has no depth or other images, and the
 // recording with other sensors than the first.
-WandViews view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options);
+WandObservations view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options);
 
 // When the first depth frame of any sensor was exposed. InputError where there is none.
 HostTime start_of_depth(const SessionReader& session);
 
 // One entry a sensor.
-std::vector<bool> sensors_that_saw(const WandViews& views);
+std::vector<bool> sensors_that_saw(const WandObservations& views);
 
 // Leaves out places that only one sensor saw, which do not show its pose beside the others, and
 // places nearer than 5 cm to the one before: a hand that drifts may make two rests of one place.
-void keep_useful_positions(WandViews& views);
+void drop_unusable_positions(WandObservations& views);
 
 // How far the sensors saw the ball move from the first place to the second; nothing when none saw both.
-std::optional<double> seen_movement_m(const WandViews& views);
+std::optional<double> seen_movement_m(const WandObservations& views);
 
 }  // namespace trilat

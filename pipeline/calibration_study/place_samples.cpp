@@ -23,13 +23,13 @@ struct WandFinder {
 
 std::vector<WandFinder> make_finders() {
   const PrintedWandOptions printed,
-      corrected{Reading::corrected, Binarisation::corrected, Reading::corrected, Reading::corrected};
+      corrected{Reading::corrected, ThresholdRule::corrected, Reading::corrected, Reading::corrected};
   PrintedWandOptions eq1 = corrected, e1 = corrected, e2 = corrected, e3 = corrected, mid_range = corrected;
   eq1.invalid_pixels = Reading::printed;
-  e1.binarisation = Binarisation::printed;
+  e1.binarisation = ThresholdRule::printed;
   e2.projection = Reading::printed;
   e3.centre = Reading::printed;
-  mid_range.binarisation = Binarisation::mid_range;
+  mid_range.binarisation = ThresholdRule::mid_range;
   return {{"as printed", false, printed},
           {"corrected, but eq. 1 as printed", false, eq1},
           {"corrected, but E1 as printed", false, e1},

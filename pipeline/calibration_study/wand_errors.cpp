@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kFolds = 10;
 constexpr std::size_t kFirstPlaces = 3;  // which fix the wand's frame, and are never left out
 
-const RestingBall* seen_by(const WandPosition& position, std::size_t sensor) {
-  for (const RestingBall& ball : position.seen)
+const StaticSighting* seen_by(const WandPosition& position, std::size_t sensor) {
+  for (const StaticSighting& ball : position.seen)
     if (ball.sensor == sensor) return &ball;
   return nullptr;
 }
@@ -24,7 +24,7 @@ std::optional<Eigen::Vector3d> seen_by_others(const WandPosition& position, std:
                                               const std::vector<SensorPose>& poses) {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   double count = 0.0;
-  for (const RestingBall& ball : position.seen) {
+  for (const StaticSighting& ball : position.seen) {
     if (ball.sensor == sensor) continue;
     sum_m += poses[ball.sensor].world_from_sensor * ball.centre_in_sensor_m;
     count += 1.0;
@@ -44,8 +44,8 @@ bool is_whole_in_view(const DepthIntrinsics& intrinsics, const Eigen::Vector3d& 
 }
 
 // The positions of one fold, or all others.
-WandViews part_of(const WandViews& views, std::size_t fold, bool inside) {
-  WandViews part = views;
+WandObservations part_of(const WandObservations& views, std::size_t fold, bool inside) {
+  WandObservations part = views;
   part.positions.clear();
   part.positions_of_first = 0;
   for (std::size_t p = 0; p < views.positions.size(); ++p) {
@@ -57,11 +57,11 @@ WandViews part_of(const WandViews& views, std::size_t fold, bool inside) {
   return part;
 }
 
-std::vector<WandPlace> left_out_places(const WandViews& views, const SessionReader& session,
+std::vector<WandPlace> left_out_places(const WandObservations& views, const SessionReader& session,
                                        const CalibrateWandOptions& options) {
   std::vector<std::optional<Eigen::Vector3d>> known_m(views.positions.size());
   if (options.world)
-    for (const KnownPoint& known : known_positions(*options.world, views.positions))
+    for (const ControlPoint& known : known_positions(*options.world, views.positions))
       known_m[known.point] = known.point_in_world_m;
   std::vector<WandPlace> places;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
@@ -79,7 +79,7 @@ std::vector<WandPlace> left_out_places(const WandViews& views, const SessionRead
         if (!is_whole_in_view(session.header().sensors[s].intrinsics, in_sensor_m,
                               options.search.find.ball_radius_m))
           continue;
-        const RestingBall* rest = seen_by(views.positions[p], s);
+        const StaticSighting* rest = seen_by(views.positions[p], s);
         places.push_back({rest ? rest->first : views.positions[p].first,
                           rest ? rest->last : views.positions[p].last, s, p, in_sensor_m.norm(),
                           angle_of(in_sensor_m), in_sensor_m});
@@ -90,8 +90,9 @@ std::vector<WandPlace> left_out_places(const WandViews& views, const SessionRead
 }
 
 // The poses of one way to calibrate, less those that the campaign states.
-void add_poses(const char* name, WandMethod method, const SessionReader& session, const WandViews& views,
-               const CalibrateWandOptions& options, const Calibration& stated, WandRecording& recording) {
+void add_poses(const char* name, WandMethod method, const SessionReader& session,
+               const WandObservations& views, const CalibrateWandOptions& options, const Calibration& stated,
+               WandRecording& recording) {
   WandCalibration made;
   try {
     made = calibrate_searched(method, session, options, views);
@@ -124,7 +125,7 @@ WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibra
     options.world = WandInWorld{wand.mocap, wand.asset, wand.mocap_start_host_ns};
     options.world->track = read_wand_track(wand.mocap, wand.asset);
   }
-  WandViews views = view_wand({&session, 1}, options);
+  WandObservations views = view_wand({&session, 1}, options);
   WandRecording recording;
   recording.truth = options.world ? WandTruth::optitrack : WandTruth::sensors;
   recording.ball_radius_m = wand.ball_radius_m;
@@ -135,7 +136,7 @@ WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibra
                                        std::pair{"two positions, corrected", WandMethod::two_positions},
                                        std::pair{"two positions as printed", WandMethod::printed}})
       add_poses(name, method, session, views, options, *stated, recording);
-  keep_useful_positions(views);
+  drop_unusable_positions(views);
   if (views.positions.size() <= kFirstPlaces)
     throw InputError(
         wand.session.string(),

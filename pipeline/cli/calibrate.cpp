@@ -34,7 +34,7 @@ struct CalibrateArguments {
   std::filesystem::path mocap;
   std::string asset;
   std::optional<std::int64_t> mocap_start_host_ns;
-  std::optional<double> movement_m;
+  std::optional<double> baseline_m;
   std::optional<double> movement_sigma_m;
   bool no_depth_correction = false;
   std::string trajectory_axis;  // x, y or z; empty: that of the method
@@ -149,7 +149,7 @@ CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const Wat
   if (arguments.ball_radius_m) options.search.find.ball_radius_m = *arguments.ball_radius_m;
   options.search.watch = watch;
   options.depth_correction = !arguments.no_depth_correction;
-  options.movement_m = arguments.movement_m;
+  options.baseline_m = arguments.baseline_m;
   if (arguments.movement_sigma_m) options.movement_sigma_m = *arguments.movement_sigma_m;
   const auto axis = std::ranges::find(kTrajectoryAxes, arguments.trajectory_axis);
   if (axis != kTrajectoryAxes.end())
@@ -170,14 +170,14 @@ void refuse_ignored(const CalibrateArguments& a) {
   };
   if (bodies && !a.mocap.empty()) refuse("--mocap");
   if (!bodies && !a.from.empty()) refuse("--from");
-  if (bodies && a.movement_m) refuse("--movement-m");
+  if (bodies && a.baseline_m) refuse("--movement-m");
   if (bodies && a.movement_sigma_m) refuse("--movement-sigma-m");
   if (bodies && a.ball_radius_m) refuse("--ball-radius-m");
   if ((bodies || two) && a.no_depth_correction) refuse("--no-depth-correction");
   if (!two && !a.trajectory_axis.empty()) refuse("--trajectory-axis");
   if ((bodies || two) && a.sessions.size() > 1)
     throw InputError(a.sessions[1].string(), "is one session too many for --method " + a.method);
-  if (!a.mocap.empty() && a.movement_m)
+  if (!a.mocap.empty() && a.baseline_m)
     throw InputError("--movement-m",
                      "is of no use beside --mocap, which already says how far the wand moved");
 }
@@ -258,7 +258,7 @@ void add_calibrate(CLI::App& app, int& code) {
   verb.add_option("--asset", a.asset, "asset of the export whose position is the ball's centre");
   verb.add_option("--mocap-start-host-ns", a.mocap_start_host_ns,
                   "what the recording's host clock showed at the export's first frame");
-  verb.add_option("--movement-m", a.movement_m,
+  verb.add_option("--movement-m", a.baseline_m,
                   "how far the wand moved from its first place to its second, when measured: fixes the scale")
       ->check(CLI::PositiveNumber);
   verb.add_option("--movement-sigma-m", a.movement_sigma_m, "standard deviation of --movement-m; else 0.001")

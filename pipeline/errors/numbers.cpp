@@ -346,7 +346,7 @@ class StudyNumbers {
       BestMethod best{condition, name_of_row(groups), summary_.methods[methods.front()], {}};
       for (const std::size_t m : std::span(methods).subspan(1)) {
         const ContrastEstimate e = errors.difference(groups, m, methods.front(), 0).m;
-        if (e.clusters >= 2 && !is_told_apart(e, methods.size() - 1))
+        if (e.clusters >= 2 && !differs_significantly(e, methods.size() - 1))
           best.like_best.push_back(summary_.methods[m]);
       }
       summary_.best.push_back(std::move(best));

@@ -85,7 +85,7 @@ ViewLag lag_of(const PointStream& view, const PointStream& others) {
   if (blocks.count < kMinLagBlocks || of_others.duration_s() < kMinLagDuration_s) return {};
   blocks.step = 1 + of_others.instants() / kMaxLagLooks;
   const auto reach = static_cast<std::ptrdiff_t>(std::floor(kMaxLag_s * view.rate_hz));
-  const double movement_m = mean_length_m(of_others);
+  const double baseline_m = mean_length_m(of_others);
   std::vector<std::vector<double>> left;  // by lag and block
   for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag) {
     const StreamChange late{.start_s = -static_cast<double>(lag) / view.rate_hz, .has_start = true};
@@ -101,7 +101,7 @@ ViewLag lag_of(const PointStream& view, const PointStream& others) {
     const auto k = static_cast<std::size_t>(std::ranges::min_element(mean) - mean.begin());
     if (k == 0 || k + 1 == mean.size() || mean[static_cast<std::size_t>(reach)] < kLagTimes * mean[k])
       return kNaN;
-    if (mean[k] > kAgreeingShare * movement_m) return kNaN;
+    if (mean[k] > kAgreeingShare * baseline_m) return kNaN;
     const double below = mean[k - 1], above = mean[k + 1];
     const double between = 0.5 * (below - above) / (below - 2.0 * mean[k] + above);
     return (static_cast<double>(k) - static_cast<double>(reach) + between) / view.rate_hz;

@@ -148,8 +148,8 @@ LinearStart linear_start(const RangeProblem& problem) {
   return start;
 }
 
-void LinearStart::positions(int sensors, std::size_t count, const LaneRows& range_m,
-                            LaneRows& position_m) const {
+void LinearStart::positions(int sensors, std::size_t count, const AlignedRows& range_m,
+                            AlignedRows& position_m) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double* to = position_m.row(axis);
     std::fill_n(to, count, offset_m[axis]);
@@ -201,8 +201,8 @@ void SweepBlock::find_starts() {
     return linear_->positions(cell_.sensors.count, lanes_.count, lanes_.range_m, lanes_.position_m);
   const auto all = problems();
   for (std::size_t i = 0; i < all.size(); ++i)
-    lanes_.position_m.set_position(i, wanted_start_m(all[i], cell_.plane, cell_.options.start,
-                                                     cell_.options.start_point_m, cell_.options.linear));
+    lanes_.position_m.set_position(i, requested_start_m(all[i], cell_.plane, cell_.options.start,
+                                                        cell_.options.start_point_m, cell_.options.linear));
 }
 
 // Whether an answer is where the directions to the sensors do not span space, as solve_nonlinear() asks.

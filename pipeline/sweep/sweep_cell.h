@@ -64,7 +64,7 @@ struct LinearStart {
   std::array<std::array<double, kMaxSensors>, 3> factor_per_m{};
 
   // Columns of `range_m` (a row a sensor) to columns of `position_m`.
-  void positions(int sensors, std::size_t count, const LaneRows& range_m, LaneRows& position_m) const;
+  void positions(int sensors, std::size_t count, const AlignedRows& range_m, AlignedRows& position_m) const;
 };
 
 // The sensors of `problem`, the first of which is the reference, as in solve_linear() by default. They must
@@ -95,7 +95,7 @@ class SweepBlock {
   bool is_thick_ = false;
   std::optional<LinearStart> linear_;
   RangeLanes lanes_;
-  LaneRows truth_m_, mean_m_;
+  AlignedRows truth_m_, mean_m_;
   std::vector<RangeProblem> problems_;
   std::size_t problems_made_ = 0;
 };

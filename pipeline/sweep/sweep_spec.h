@@ -58,7 +58,7 @@ Json resolved_json(const SweepSpec& spec);
 
 enum class SweepStart : std::uint8_t {
   linear,          // linear trilateration, as the paper
-  squared_ranges,  // squared_range_position_m()
+  squared_ranges,  // solve_squared_ranges()
 };
 
 // The trials of one cell, and how they are solved.

@@ -36,7 +36,7 @@ using Positions = std::vector<Vector3d>;
 constexpr std::size_t kProblems = 512;
 constexpr double kRangeNoise_m = 0.025;
 constexpr int kTolerances = 15;  // 1e-2 down to 1e-16, by tens
-constexpr int kTrialRuns = 3, kRepetitions = 200, kMostIterations = 50;
+constexpr int kTrialRuns = 3, kRepetitions = 200, kMaxIterations = 50;
 
 // What every contestant solves: problem i from start i; all with the same four sensors, weights 1, no hints.
 struct Problems {
@@ -132,7 +132,7 @@ struct CeresSolve {
   explicit CeresSolve(Tolerance tolerance) {
     options.linear_solver_type = ceres::DENSE_QR;
     options.logging_type = ceres::SILENT;
-    options.max_num_iterations = kMostIterations;
+    options.max_num_iterations = kMaxIterations;
     options.function_tolerance = tolerance.rule == 0 ? tolerance.value : 0.0;
     options.parameter_tolerance = tolerance.rule == 1 ? tolerance.value : 0.0;
     options.gradient_tolerance = tolerance.rule == 2 ? tolerance.value : 0.0;
@@ -178,7 +178,7 @@ struct Tiny {
   ceres::TinySolver<FourRanges> solver;
 
   explicit Tiny(Tolerance tolerance) {
-    solver.options.max_num_iterations = kMostIterations;
+    solver.options.max_num_iterations = kMaxIterations;
     solver.options.cost_threshold = 0.0;
     solver.options.function_tolerance = tolerance.rule == 0 ? tolerance.value : 0.0;
     solver.options.parameter_tolerance = tolerance.rule == 1 ? tolerance.value : 0.0;
@@ -217,7 +217,7 @@ NonlinearOptions options_of(const Kind& kind, Tolerance tolerance) {
   options.curvature = kind.curvature;
   options.stop = tolerance.rule == 0 ? StopRule::step : StopRule::objective;
   options.step_tolerance_m = options.threshold_m2 = tolerance.value;
-  options.max_iterations = kMostIterations;
+  options.max_iterations = kMaxIterations;
   return options;
 }
 
@@ -256,7 +256,7 @@ Contestant whole_span() {
 // The problems in rows, with their starts.
 struct Rows {
   RangeLanes lanes{{problems().problem[0].sensor_m.data(), 4}, kProblems};
-  LaneRows start_m{3, kProblems};
+  AlignedRows start_m{3, kProblems};
 
   Rows() {
     for (std::size_t lane = 0; lane < kProblems; ++lane) {

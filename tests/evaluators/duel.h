@@ -49,8 +49,8 @@ inline std::array<Duel, 2> duels(const RangeProblem& problem) {
   const SensorPlane plane = plane_of(problem);
   if (refusal_of(problem) != SolveStatus::not_solved || plane.collinear) return result;
   const Eigen::Vector3d wanted_m =
-      wanted_start_m(problem, plane, options.start, options.start_point_m, options.linear);
-  const Eigen::Vector3d start_m = safe_start(problem, plane, wanted_m);
+      requested_start_m(problem, plane, options.start, options.start_point_m, options.linear);
+  const Eigen::Vector3d start_m = plausible_start(problem, plane, wanted_m);
   for (Duel& duel : result) duel.start_m = start_m;
   result[0].ceres = {descend_by_ceres(problem, {}, start_m),
                      descend_by_ceres(problem, {}, plane.mirrored(start_m))};

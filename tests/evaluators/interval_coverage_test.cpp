@@ -70,7 +70,7 @@ bool set_holds_the_best(std::size_t clusters, std::uint64_t campaign) {
   if (best == 0) return true;
   WeightedRatio minus = error_m[best];
   minus.weight = -1.0;
-  return !is_told_apart(solve_contrast({{error_m[0], minus}, {}}), kMethods - 1);
+  return !differs_significantly(solve_contrast({{error_m[0], minus}, {}}), kMethods - 1);
 }
 
 template <class Holds>

@@ -132,7 +132,7 @@ inline void turn_toes(ObservedBody& body) {
 
 inline ObservedTake observed_take(const TakeSpec& spec) {
   constexpr double kWander_m = 0.015, kJitter_m = 0.004, kInferredFactor = 3.0;
-  const double keep = std::exp(-kInstant_s / 1.0);  // of the wander, whose correlation time is a second
+  const double keep = std::exp(-kInstant_s / 1.0);  // of the drift, whose correlation time is a second
   const Person person = draw_person(11, spec.take, 1.70, 0.17);
   const Motion motion = generated_motion(person, spec.activity);
   const double rig_turn = stream_of(spec, 9, 0, 0).uniform(0, 0.0, 2.0 * std::numbers::pi);

@@ -38,7 +38,7 @@ DepthPicture block_before_a_wall() {
 
 PrintedWandOptions all_equations_corrected() {
   return {.invalid_pixels = Reading::corrected,
-          .binarisation = Binarisation::corrected,
+          .binarisation = ThresholdRule::corrected,
           .projection = Reading::corrected,
           .centre = Reading::corrected};
 }
@@ -57,7 +57,7 @@ TEST(PrintedWand, AsPrintedItNeverEndsButLeavesTheBlock) {
 TEST(PrintedWand, TheCorrectedStopRuleEndsWithTheSamePixels) {
   const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), {});
   const WandSighting sighting = find_wand_as_printed(block_before_a_wall().view(), printed_rays(),
-                                                     {.binarisation = Binarisation::corrected});
+                                                     {.binarisation = ThresholdRule::corrected});
   EXPECT_EQ(sighting.status, WandStatus::found);
   EXPECT_EQ(sighting.pixels, 21 * 11);
   EXPECT_EQ(sighting.centre_in_sensor_m, printed.centre_in_sensor_m);
@@ -67,13 +67,13 @@ TEST(PrintedWand, TheLastPixelsOfThePrintedRuleAreThoseOfTheCorrectedOne) {
   DepthPicture picture = filled_with(4500);
   put_block(picture, 0, 0, 200, 423, 2200);  // someone beside it
   put_block(picture, 300, 100, 320, 110, 900);
-  for (const Binarisation binarisation : {Binarisation::printed, Binarisation::corrected})
+  for (const ThresholdRule binarisation : {ThresholdRule::printed, ThresholdRule::corrected})
     EXPECT_EQ(find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = binarisation}).pixels,
               21 * 11);
 }
 
 TEST(PrintedWand, AnImageInWhichNothingWasSeenShowsNoWand) {
-  for (const Binarisation binarisation : {Binarisation::printed, Binarisation::corrected})
+  for (const ThresholdRule binarisation : {ThresholdRule::printed, ThresholdRule::corrected})
     EXPECT_EQ(find_wand_as_printed(filled_with(0).view(), printed_rays(),
                                    {.invalid_pixels = Reading::corrected, .binarisation = binarisation})
                   .status,
@@ -85,14 +85,14 @@ TEST(PrintedWand, AsPrintedOneInvalidPixelTakesTheWandsPlace) {
   DepthPicture picture = block_before_a_wall();
   picture.at(20, 30) = 0;
   const WandSighting printed =
-      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = ThresholdRule::corrected});
   // The first label map holds block and pixel: 0.5 m is less than C times 1 m, and the average is 0.998 m.
   EXPECT_EQ(printed.pixels, 1);
   EXPECT_NEAR(printed.centre_in_sensor_m.z(), 0.5, 1e-12);
   EXPECT_LT(printed.centre_in_sensor_m.x(), 0.0);
   const WandSighting corrected =
       find_wand_as_printed(picture.view(), printed_rays(),
-                           {.invalid_pixels = Reading::corrected, .binarisation = Binarisation::corrected});
+                           {.invalid_pixels = Reading::corrected, .binarisation = ThresholdRule::corrected});
   EXPECT_EQ(corrected.pixels, 21 * 11);
 }
 
@@ -102,7 +102,7 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
   const DepthRays pinhole_rays = depth_rays(pinhole);
   DepthPicture picture = filled_with(6000);
   put_block(picture, 380, 207, 388, 217, 2000);  // the middle is the pixel (384, 212)
-  PrintedWandOptions options = {.binarisation = Binarisation::corrected};
+  PrintedWandOptions options = {.binarisation = ThresholdRule::corrected};
   const WandSighting printed = find_wand_as_printed(picture.view(), pinhole_rays, options);
   options.projection = Reading::corrected;
   const WandSighting corrected = find_wand_as_printed(picture.view(), pinhole_rays, options);
@@ -114,7 +114,7 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
 }
 
 TEST(PrintedWand, ThePrintedCentreAddsTheWidthInPixelsAndTheCorrectedOneTheRadiusAlongTheRay) {
-  PrintedWandOptions options = {.binarisation = Binarisation::corrected, .projection = Reading::corrected};
+  PrintedWandOptions options = {.binarisation = ThresholdRule::corrected, .projection = Reading::corrected};
   const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), options);
   options.centre = Reading::corrected;
   const WandSighting corrected = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), options);
@@ -129,7 +129,7 @@ TEST(PrintedWand, AnInvalidMiddleTakesTheDepthOfTheNearestLabelledPixel) {
   picture.at(310, 107) = 1010;
   const WandSighting sighting =
       find_wand_as_printed(picture.view(), printed_rays(),
-                           {.invalid_pixels = Reading::corrected, .binarisation = Binarisation::corrected});
+                           {.invalid_pixels = Reading::corrected, .binarisation = ThresholdRule::corrected});
   // Two pixels away lie (310, 103), (308, 105), (312, 105) and (310, 107); the first in reading order is
   // taken.
   EXPECT_EQ(sighting.pixels, 21 * 11 - 9);
@@ -140,7 +140,7 @@ TEST(PrintedWand, AMiddleBetweenPixelsIsProjectedAsSuch) {
   DepthPicture picture = filled_with(4000);
   put_block(picture, 256, 212, 257, 213, 1000);
   const WandSighting sighting =
-      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::corrected});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = ThresholdRule::corrected});
   EXPECT_NEAR(sighting.centre_in_sensor_m.x(), std::tan(70.0 * kRadPerDegree * 0.5 / 512.0), 1e-12);
   EXPECT_NEAR(sighting.centre_in_sensor_m.z(), 1.01, 1e-12);
 }
@@ -168,7 +168,7 @@ TEST(PrintedWand, ByTheMidRangeOnlyTheBallIsLeftWhereTheMeanKeepsAPersonToo) {
   const WandSighting by_mean = find_wand_as_printed(picture.view(), printed_rays(), options);
   ASSERT_EQ(by_mean.status, WandStatus::found);
   EXPECT_GT((by_mean.centre_in_sensor_m - ball).norm(), 0.2);
-  options.binarisation = Binarisation::mid_range;
+  options.binarisation = ThresholdRule::mid_range;
   const WandSighting by_mid_range = find_wand_as_printed(picture.view(), printed_rays(), options);
   ASSERT_EQ(by_mid_range.status, WandStatus::found);
   EXPECT_LT((by_mid_range.centre_in_sensor_m - ball).norm(), 0.015);
@@ -181,7 +181,7 @@ TEST(PrintedWand, ByTheMidRangeABallInFrontOfANearWallIsFound) {
       picture_of({{{ball, 0.075}}, {}, {}, {{Vector3d::UnitZ(), 4.0}}}, printed_rays());
   PrintedWandOptions options = all_equations_corrected();
   EXPECT_EQ(find_wand_as_printed(picture.view(), printed_rays(), options).status, WandStatus::no_wand);
-  options.binarisation = Binarisation::mid_range;
+  options.binarisation = ThresholdRule::mid_range;
   const WandSighting sighting = find_wand_as_printed(picture.view(), printed_rays(), options);
   ASSERT_EQ(sighting.status, WandStatus::found);
   EXPECT_LT((sighting.centre_in_sensor_m - ball).norm(), 0.015);
@@ -195,7 +195,7 @@ TEST(PrintedWand, ByTheMidRangeItEndsWhenTheNextThresholdLeavesNothingOut) {
   put_block(picture, 300, 110, 319, 119, 1010);
   put_block(picture, 300, 120, 319, 129, 1011);
   const WandSighting sighting =
-      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = Binarisation::mid_range});
+      find_wand_as_printed(picture.view(), printed_rays(), {.binarisation = ThresholdRule::mid_range});
   EXPECT_EQ(sighting.status, WandStatus::found);
   EXPECT_EQ(sighting.pixels, 400);
 }

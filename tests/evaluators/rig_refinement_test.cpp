@@ -79,11 +79,11 @@ SimulatedRig simulated_rig(std::uint64_t seed, const RigErrors& errors, std::siz
 }
 
 RigRefinement refine(const RigProblem& problem, const RigRefinementOptions& options) {
-  const RigStart start = start_rig(problem, {});
+  const RigStart start = initial_poses(problem, {});
   EXPECT_TRUE(start.complete());
   RigGauge gauge;
-  gauge.first_points = FirstPoints{{0, 1, 2}};
-  return refine_rig(problem, start.reference_from_sensor, start.reference, gauge, options);
+  gauge.first_points = GaugePoints{{0, 1, 2}};
+  return bundle_adjust(problem, start.reference_from_sensor, start.reference, gauge, options);
 }
 
 struct PoseError {
@@ -154,9 +154,9 @@ PoseError difference(const RigidTransform& a, const RigidTransform& b) {
 
 RigRefinement refine_with(const RigProblem& problem, const RigGauge& gauge,
                           const RigRefinementOptions& options = {}) {
-  const RigStart start = start_rig(problem, {});
+  const RigStart start = initial_poses(problem, {});
   EXPECT_TRUE(start.complete());
-  return refine_rig(problem, start.reference_from_sensor, start.reference, gauge, options);
+  return bundle_adjust(problem, start.reference_from_sensor, start.reference, gauge, options);
 }
 
 TEST(RigRefinement, AWrongSightingIsLeftOutAndThePosesAreAsWithoutIt) {
@@ -197,7 +197,7 @@ TEST(RigRefinement, OfAPointThatOnlyTwoSensorsSeeBothSightingsAreLeftOut) {
 TEST(RigRefinement, KnownPointsGiveTheWorldsFrame) {
   const SimulatedRig rig = simulated_rig(2, {});
   RigGauge gauge;
-  for (std::size_t p : {4u, 9u, 20u, 31u}) gauge.known_points.push_back({p, rig.position_m[p]});
+  for (std::size_t p : {4u, 9u, 20u, 31u}) gauge.control_points.push_back({p, rig.position_m[p]});
   const RigRefinement refined = refine_with(rig.problem, gauge);
   ASSERT_EQ(refined.status, RigStatus::converged);
   for (std::size_t s = 0; s < 4; ++s) {
@@ -211,17 +211,17 @@ TEST(RigRefinement, KnownPointsOnALineDoNotDetermineTheWorld) {
   const SimulatedRig rig = simulated_rig(2, {});
   RigGauge gauge;
   for (std::size_t p : {4u, 9u, 20u})
-    gauge.known_points.push_back({p, {0.3 * static_cast<double>(p), 1.0, 0.0}});
+    gauge.control_points.push_back({p, {0.3 * static_cast<double>(p), 1.0, 0.0}});
   EXPECT_EQ(refine_with(rig.problem, gauge).status, RigStatus::gauge_undetermined);
 }
 
 TEST(RigRefinement, WithoutAnyWorldTheReferenceStaysAtItsPose) {
   const SimulatedRig rig = simulated_rig(3, {.noise_m = 0.0003});
-  const RigStart start = start_rig(rig.problem, {});
+  const RigStart start = initial_poses(rig.problem, {});
   RigGauge gauge;
   gauge.world_from_reference = rig.world_from_sensor[start.reference];
   const RigRefinement refined =
-      refine_rig(rig.problem, start.reference_from_sensor, start.reference, gauge, {});
+      bundle_adjust(rig.problem, start.reference_from_sensor, start.reference, gauge, {});
   ASSERT_EQ(refined.status, RigStatus::converged);
   for (std::size_t s = 0; s < 4; ++s) {
     const PoseError error = difference(refined.sensors[s].world_from_sensor, rig.world_from_sensor[s]);

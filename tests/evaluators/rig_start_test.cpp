@@ -47,7 +47,7 @@ void expect_exact(const RigStart& start, std::size_t sensor) {
 }
 
 TEST(RigStart, ExactPointsGiveExactPoses) {
-  const RigStart start = start_rig(seen_by(3, points_in_a_room(10), always), {});
+  const RigStart start = initial_poses(seen_by(3, points_in_a_room(10), always), {});
   EXPECT_TRUE(start.complete());
   for (std::size_t s = 0; s < 3; ++s) expect_exact(start, s);
   EXPECT_EQ(start.reference_from_sensor[start.reference].translation_m, Vector3d::Zero());
@@ -55,9 +55,9 @@ TEST(RigStart, ExactPointsGiveExactPoses) {
 
 TEST(RigStart, TheOrderOfTheObservationsDoesNotMatter) {
   RigProblem problem = seen_by(3, points_in_a_room(10), always);
-  const RigStart start = start_rig(problem, {});
+  const RigStart start = initial_poses(problem, {});
   std::ranges::reverse(problem.observations);
-  const RigStart again = start_rig(problem, {});
+  const RigStart again = initial_poses(problem, {});
   for (std::size_t s = 0; s < 3; ++s)
     EXPECT_EQ(again.reference_from_sensor[s].translation_m, start.reference_from_sensor[s].translation_m);
 }
@@ -66,34 +66,34 @@ TEST(RigStart, CommonPointsOnALineAreSaidOfTheSensorThatHasThem) {
   std::vector<Vector3d> points = points_in_a_room(8);
   for (int i = 0; i < 6; ++i) points.emplace_back(0.1 * i, 1.0 + 0.05 * i, 0.0);
   const RigStart start =
-      start_rig(seen_by(3, points, [](std::size_t s, std::size_t p) { return s < 2 || p >= 8; }), {});
+      initial_poses(seen_by(3, points, [](std::size_t s, std::size_t p) { return s < 2 || p >= 8; }), {});
   EXPECT_THAT(start.placement, ElementsAre(placed, placed, points_on_line));
   EXPECT_FALSE(start.complete());
   expect_exact(start, 1);
 }
 
 TEST(RigStart, TwoCommonPointsAreNoCommonView) {
-  const RigStart start = start_rig(
+  const RigStart start = initial_poses(
       seen_by(3, points_in_a_room(10), [](std::size_t s, std::size_t p) { return s < 2 || p < 2; }), {});
   EXPECT_THAT(start.placement, ElementsAre(placed, placed, no_common_view));
 }
 
 TEST(RigStart, ASensorWithoutAnObservationHasSeenNothing) {
   const RigStart start =
-      start_rig(seen_by(3, points_in_a_room(10), [](std::size_t s, std::size_t) { return s != 1; }), {});
+      initial_poses(seen_by(3, points_in_a_room(10), [](std::size_t s, std::size_t) { return s != 1; }), {});
   EXPECT_THAT(start.placement, ElementsAre(placed, nothing_seen, placed));
-  EXPECT_THAT(start_rig(RigProblem{2, 5, {}}, {}).placement, ElementsAre(nothing_seen, nothing_seen));
-  EXPECT_TRUE(start_rig(RigProblem{}, {}).placement.empty());
+  EXPECT_THAT(initial_poses(RigProblem{2, 5, {}}, {}).placement, ElementsAre(nothing_seen, nothing_seen));
+  EXPECT_TRUE(initial_poses(RigProblem{}, {}).placement.empty());
 }
 
 // The first sensor sees more than any other and shares nothing with the third.
 TEST(RigStart, PosesAreChainedThroughASensorInBetween) {
   const RigStart start =
-      start_rig(seen_by(3, points_in_a_room(32),
-                        [](std::size_t s, std::size_t p) {
-                          return s == 0 ? p < 8 || p >= 16 : s == 1 ? p < 16 : p >= 8 && p < 16;
-                        }),
-                {});
+      initial_poses(seen_by(3, points_in_a_room(32),
+                            [](std::size_t s, std::size_t p) {
+                              return s == 0 ? p < 8 || p >= 16 : s == 1 ? p < 16 : p >= 8 && p < 16;
+                            }),
+                    {});
   EXPECT_EQ(start.reference, 0u);
   EXPECT_TRUE(start.complete());
   for (std::size_t s = 0; s < 3; ++s) expect_exact(start, s);
@@ -106,7 +106,7 @@ TEST(RigStart, ThirtyPercentOfWrongPointsDoNotMatter) {
   for (std::uint32_t i = 0; i < 6; ++i)
     problem.observations[points + 3 * i].point_in_sensor_m +=
         0.5 * Vector3d(random.normal(3 * i), random.normal(3 * i + 1), random.normal(3 * i + 2)).normalized();
-  const RigStart start = start_rig(problem, {});
+  const RigStart start = initial_poses(problem, {});
   EXPECT_TRUE(start.complete());
   expect_exact(start, 0);
   expect_exact(start, 1);
@@ -119,7 +119,7 @@ TEST(RigStart, PointsOfAnotherScaleDisagree) {
   RigProblem problem = seen_by(2, corners, always);
   for (PointObservation& o : problem.observations)
     if (o.sensor == 1) o.point_in_sensor_m *= 1.5;
-  const RigStart start = start_rig(problem, {});
+  const RigStart start = initial_poses(problem, {});
   EXPECT_THAT(start.placement, ElementsAre(placed, disagrees));
 }
 

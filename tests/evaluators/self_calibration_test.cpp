@@ -24,16 +24,16 @@ struct OffRig {
 
 struct OffTake {
   std::vector<RigidTransform> stated;
-  std::vector<SensorCorrection> truth;
+  std::vector<PoseCorrection> truth;
   std::vector<JointObservation> observations;
   std::vector<std::uint32_t> joint;
   std::vector<Eigen::Vector3d> truth_m;
 
-  SelfCalibration calibrate(const CorrectionPriors& priors = {}) const {
+  SelfCalibration calibrate(const PosePriors& priors = {}) const {
     return self_calibrate(observations, stated, joint, priors);
   }
   // Of the mean of the sensors' positions.
-  double mean_error_m(const std::vector<SensorCorrection>& corrections) const {
+  double mean_error_m(const std::vector<PoseCorrection>& corrections) const {
     double sum_m = 0.0;
     for (std::size_t i = 0; i < joint.size(); ++i) {
       std::vector<JointObservation> seen;
@@ -51,7 +51,7 @@ OffTake off_take(const OffRig& spec, std::uint64_t seed) {
   std::vector<RigidTransform> standing;
   for (std::size_t s = 0; s < spec.rig.size(); ++s) {
     const RandomStream random{seed, Purpose::test, 1'000'000 + s};
-    SensorCorrection off;
+    PoseCorrection off;
     off.turn_rad = spec.turn_rad * normal_vector_of(random, 0);
     off.shift_m = spec.shift_m * normal_vector_of(random, 4);
     off.range_m = spec.range_m * random.normal(8);
@@ -88,7 +88,7 @@ TEST(SelfCalibration, CorrectionsTakeAwayWhatTheyAre) {
 TEST(SelfCalibration, FindsTurnedSensorsAndRangesThatAreTooLong) {
   OffRig spec{.turn_rad = 0.0, .shift_m = 0.0, .range_m = 0.0, .joint_m = 0.005, .noise_m = 0.01};
   OffTake take = off_take(spec, 2);
-  const SensorCorrection off{.turn_rad = {0.0, 0.07, 0.0}, .range_m = 0.04};
+  const PoseCorrection off{.turn_rad = {0.0, 0.07, 0.0}, .range_m = 0.04};
   for (std::size_t i = 0; i < take.joint.size(); ++i) {  // sensor 2 is where it is said to be, but turned
     JointObservation& o = take.observations[4 * i + 2];
     const Eigen::Vector3d v = Eigen::AngleAxisd(0.07, Eigen::Vector3d::UnitY()) *
@@ -103,7 +103,7 @@ TEST(SelfCalibration, FindsTurnedSensorsAndRangesThatAreTooLong) {
   EXPECT_GT(turned.turn_rad.low, 0.03);
   EXPECT_GT(turned.range_m.low, 0.01);
   for (const std::size_t s : {0u, 1u, 3u}) EXPECT_LT(magnitudes_of(found, s).turn_rad.value, 0.025) << s;
-  EXPECT_LT(take.mean_error_m(found.of_sensor), 0.5 * take.mean_error_m(std::vector<SensorCorrection>(4)));
+  EXPECT_LT(take.mean_error_m(found.of_sensor), 0.5 * take.mean_error_m(std::vector<PoseCorrection>(4)));
 }
 
 // A rig that is turned and shifted as a whole shows nothing of it: its corrections turn with it.
@@ -130,7 +130,7 @@ TEST(SelfCalibration, LeavesAnExactRigAlone) {
     const SelfCalibration found = take.calibrate();
     before_m += take.mean_error_m(take.truth);
     behind_m += take.mean_error_m(found.of_sensor);
-    for (const SensorCorrection& c : found.of_sensor)
+    for (const PoseCorrection& c : found.of_sensor)
       for (int k = 0; k < 7; ++k) {
         const double value = k < 3 ? c.turn_rad[k] : k < 6 ? c.shift_m[k - 3] : c.range_m;
         squares += value * value / c.covariance(k, k);
@@ -185,7 +185,7 @@ TEST(SelfCalibration, TwoSensorsAndAPersonWhoStandsShrinkToThePrior) {
       const OffTake take = off_take(spec, seed);
       const SelfCalibration found = take.calibrate();
       ASSERT_EQ(found.problem, "");
-      before_m += take.mean_error_m(std::vector<SensorCorrection>(spec.rig.size()));
+      before_m += take.mean_error_m(std::vector<PoseCorrection>(spec.rig.size()));
       behind_m += take.mean_error_m(found.of_sensor);
     }
     EXPECT_LT(behind_m, before_m);

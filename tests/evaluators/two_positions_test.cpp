@@ -135,8 +135,8 @@ TEST(TwoPositions, WithoutATranslationTheOriginStaysAtTheSensor) {
 
 TEST(TwoPositions, NoMovementAndAVerticalOneDetermineNoTurn) {
   const Vector3d first(0.1, 0.2, 2.0);
-  const auto status = [&](const Vector3d& moved, double movement_m) {
-    return solve_two_positions(first, first + moved, movement_m, all_corrected()).status;
+  const auto status = [&](const Vector3d& moved, double baseline_m) {
+    return solve_two_positions(first, first + moved, baseline_m, all_corrected()).status;
   };
   EXPECT_EQ(status({0.0, 0.0, 0.0}, kMovement_m), TwoPositionStatus::no_movement);
   EXPECT_EQ(status({0.0, 0.7, 0.0}, kMovement_m), TwoPositionStatus::no_movement);

@@ -29,10 +29,10 @@ void hold(Track& track, std::int64_t from_ms, std::int64_t to_ms, const Vector3d
   for (std::int64_t t = from_ms; t <= to_ms; t += 50) track.push_back(sighting(t, centre_m));
 }
 
-std::vector<RestingBall> rests_of(const Track& track) { return find_rests(track, 3, {}); }
+std::vector<StaticSighting> rests_of(const Track& track) { return find_static_intervals(track, 3, {}); }
 
-RestingBall rest(std::size_t sensor, std::int64_t from_ms, std::int64_t to_ms) {
-  RestingBall ball;
+StaticSighting rest(std::size_t sensor, std::int64_t from_ms, std::int64_t to_ms) {
+  StaticSighting ball;
   ball.sensor = sensor;
   ball.first = HostTime{from_ms * kMillisecond};
   ball.last = HostTime{to_ms * kMillisecond};
@@ -106,7 +106,7 @@ TEST(Rests, AFrameThatDeviatesIsLeftOutOfTheMeanAndCounted) {
 TEST(MeanOfRest, ItsCovarianceIsTheStatedOneDividedByTheFrames) {
   Track track;
   hold(track, 0, 750);  // 16 frames that agree
-  const RestingBall ball = mean_of_rest(track, 0, 3.5);
+  const StaticSighting ball = mean_of_rest(track, 0, 3.5);
   EXPECT_LT((ball.covariance_m2 - kStated_m2 / 16.0 * Matrix3d::Identity()).norm(), 1e-20);
 }
 
@@ -116,7 +116,7 @@ TEST(MeanOfRest, ScatterBeyondWhatFramesStateIsBelieved) {
   Track track;
   for (std::int64_t i = 0; i < 10; ++i)
     track.push_back(sighting(50 * i, kPlace + Vector3d(i % 2 == 0 ? 0.001 : -0.001, 0.0, 0.0)));
-  const RestingBall ball = mean_of_rest(track, 0, 3.5);
+  const StaticSighting ball = mean_of_rest(track, 0, 3.5);
   EXPECT_EQ(ball.frames_used, 10u);
   EXPECT_LT((ball.centre_in_sensor_m - kPlace).norm(), 1e-12);
   EXPECT_NEAR(ball.covariance_m2.trace(), 10.0 / 9.0 * 1e-6 / 10.0, 1e-15);
@@ -124,7 +124,7 @@ TEST(MeanOfRest, ScatterBeyondWhatFramesStateIsBelieved) {
 
 TEST(MeanOfRest, OneFrameIsItself) {
   const Track track{sighting(7, kPlace)};
-  const RestingBall ball = mean_of_rest(track, 2, 3.5);
+  const StaticSighting ball = mean_of_rest(track, 2, 3.5);
   EXPECT_EQ(ball.sensor, 2u);
   EXPECT_EQ(ball.centre_in_sensor_m, kPlace);
   EXPECT_EQ(ball.frames_used, 1u);

@@ -88,7 +88,7 @@ TEST(BallFit, IsExactOnPointsOfASphere) {
 TEST(BallFit, AnErrorOfTheDepthMovesTheCentreAsItsInfluenceSays) {
   for (const Vector3d& centre : {Vector3d(0.0, 0.0, 2.0), Vector3d(0.5, -0.3, 1.2)}) {
     const BallFitOptions options{.pixel_rad = 0.002};
-    const DepthInfluence influence = depth_influence(centre, options);
+    const DepthSensitivity influence = depth_influence(centre, options);
     const double error_m = 0.004, slope = 0.02;
     std::vector<RayDepth> pixels;
     PictureScene scene;

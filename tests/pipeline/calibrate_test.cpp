@@ -41,9 +41,9 @@ void expect_pose(const SensorPose& pose, const RigidTransform& truth, double lim
 }
 
 // What sensors without an error would have seen of the ball at rest.
-WandViews views_of(const std::vector<RigidTransform>& rig, const std::vector<Vector3d>& places,
-                   const std::function<bool(std::size_t sensor, std::size_t place)>& sees) {
-  WandViews views;
+WandObservations views_of(const std::vector<RigidTransform>& rig, const std::vector<Vector3d>& places,
+                          const std::function<bool(std::size_t sensor, std::size_t place)>& sees) {
+  WandObservations views;
   for (std::size_t s = 0; s < rig.size(); ++s)
     views.evidence.push_back(
         {.name = name_of_sensor(s), .frames = 90, .statuses = {{"found", 60}, {"no_wand", 30}}});
@@ -53,7 +53,7 @@ WandViews views_of(const std::vector<RigidTransform>& rig, const std::vector<Vec
     position.last = position.first + Duration{800'000'000};
     for (std::size_t s = 0; s < rig.size(); ++s)
       if (sees(s, p)) {
-        RestingBall ball;
+        StaticSighting ball;
         ball.sensor = s;
         ball.first = position.first;
         ball.last = position.last;
@@ -71,7 +71,7 @@ WandViews views_of(const std::vector<RigidTransform>& rig, const std::vector<Vec
 
 bool always(std::size_t, std::size_t) { return true; }
 
-std::string complaint_about(WandViews views, const CalibrateWandOptions& options = {}) {
+std::string complaint_about(WandObservations views, const CalibrateWandOptions& options = {}) {
   return message_of([&] { calibrate_views(std::move(views), "session.h5", options); });
 }
 
@@ -192,7 +192,8 @@ TEST(CalibrateViews, ExactSightingsGiveExactPoses) {
 
 // Centimetres apart, at so few places that an odd error of its depth would explain them.
 TEST(CalibrateViews, ASensorWhosePositionsNearlyAllDisagreeIsNamed) {
-  WandViews views = views_of(rig_of(4), kPlaces, [](std::size_t s, std::size_t p) { return s < 3 || p < 4; });
+  WandObservations views =
+      views_of(rig_of(4), kPlaces, [](std::size_t s, std::size_t p) { return s < 3 || p < 4; });
   for (std::size_t p = 0; p < 4; ++p)
     views.positions[p].seen[3].centre_in_sensor_m.z() += p % 2 == 0 ? 0.03 : -0.03;
   EXPECT_THAT(
@@ -203,9 +204,9 @@ TEST(CalibrateViews, ASensorWhosePositionsNearlyAllDisagreeIsNamed) {
 TEST(CalibrateViews, AMeasuredMovementThatTheSensorsDidNotSeeIsRefusedWithBothLengths) {
   CalibrateWandOptions options;
   const double truth_m = (kPlaces[1] - kPlaces[0]).norm();
-  options.movement_m = truth_m;
+  options.baseline_m = truth_m;
   EXPECT_EQ(complaint_about(views_of(rig_of(3), kPlaces, always), options), "no error");
-  options.movement_m = 2.0 * truth_m;
+  options.baseline_m = 2.0 * truth_m;
   EXPECT_THAT(complaint_about(views_of(rig_of(3), kPlaces, always), options),
               AllOf(StartsWith("--movement-m: is "), HasSubstr(fmt::format("{:.3f}", 2.0 * truth_m)),
                     HasSubstr(fmt::format("move by {:.3f} m", truth_m))));
@@ -245,7 +246,7 @@ TEST(CalibrateViews, ASensorThatDisagreesAtMoreThanAThirdOfItsPlacesIsAnError) {
   std::vector<Vector3d> places = kPlaces;
   for (int i = 0; i < 10; ++i)
     places.emplace_back(0.6 * std::sin(2.0 * i), 0.5 + 0.12 * i, 0.6 * std::cos(2.0 * i));
-  WandViews views = views_of(rig_of(4), places, always);
+  WandObservations views = views_of(rig_of(4), places, always);
   for (std::size_t p = 6; p < 15; ++p)
     views.positions[p].seen[3].centre_in_sensor_m.x() += p % 2 == 0 ? 0.04 : -0.03;
   EXPECT_THAT(complaint_about(views),
@@ -254,7 +255,7 @@ TEST(CalibrateViews, ASensorThatDisagreesAtMoreThanAThirdOfItsPlacesIsAnError) {
 }
 
 TEST(CalibrateViews, AWrongSightingIsListedWithItsPlaceAndTime) {
-  WandViews views = views_of(rig_of(4), kPlaces, always);
+  WandObservations views = views_of(rig_of(4), kPlaces, always);
   views.positions[5].seen[1].centre_in_sensor_m.x() += 0.08;
   const WandCalibration result = calibrate_views(views, "session.h5", {});
   ASSERT_EQ(result.calibration.rejected.size(), 1u);
@@ -322,7 +323,7 @@ TEST(CalibrateViews, AKnownPlaceIsAsSureAsItsSamplesAndOptiTracksCalibration) {
   }
   const auto known = known_positions(world, positions);
   ASSERT_EQ(known.size(), 3u);
-  for (const KnownPoint& point : known) {
+  for (const ControlPoint& point : known) {
     EXPECT_LT((point.point_in_world_m - kPlaces[point.point]).norm(), 1e-12);
     EXPECT_NEAR(point.sigma_m, std::sqrt(0.0002 * 0.0002 + 0.01e-6), 1e-12);
   }
@@ -332,7 +333,7 @@ TEST(CalibrateViews, AnExportThatDoesNotShowTheWandAtRestIsRefused) {
   const ScratchFolder folder;
   write_wand_export(folder / "moving.csv", false);
   write_wand_export(folder / "wand.csv", true);
-  const WandViews views = views_of(rig_of(2), kPlaces, always);
+  const WandObservations views = views_of(rig_of(2), kPlaces, always);
   const auto complaint = [&](const char* file, const char* asset, std::int64_t start_ns) {
     CalibrateWandOptions options;
     options.world = WandInWorld{folder / file, asset, start_ns};
@@ -370,7 +371,7 @@ TEST(CalibrateTwoPositions, CorrectedTheyUseEachSensorsFloor) {
   const ScratchFolder folder;
   const auto rig = rig_of(4);
   record_floors(folder / "session.h5", rig);
-  const WandViews views = views_of(rig, kTwoPlaces, always);
+  const WandObservations views = views_of(rig, kTwoPlaces, always);
   const RigidTransform wand =
       wand_from_world({kTwoPlaces[0], kTwoPlaces[1], kTwoPlaces[0] + Vector3d::UnitY()});
   const auto recorded = read_floors(folder / "session.h5");
@@ -394,7 +395,7 @@ TEST(CalibrateTwoPositions, AsPrintedEverySensorIsAtTheOrigin) {
 }
 
 TEST(CalibrateTwoPositions, ASensorThatDidNotSeeBothPlacesIsNamed) {
-  const auto complaint = [&](const WandViews& views, const TwoPositionOptions& options) {
+  const auto complaint = [&](const WandObservations& views, const TwoPositionOptions& options) {
     return message_of(
         [&] { static_cast<void>(calibrate_two_positions(views, "session.h5", options, 0.7, kNoFloors)); });
   };

@@ -157,16 +157,16 @@ class ChangedStreamMaker {
     Motion motion = motion_;
     if (has(Change::other_person))
       motion_ = generated_motion(draw_person(99, 5, 1.7, 0.17), Activity::walk_about);
-    std::vector<Eigen::Vector3d> wander(points, Eigen::Vector3d::Zero());
+    std::vector<Eigen::Vector3d> drift(points, Eigen::Vector3d::Zero());
     for (std::size_t i = 0; static_cast<double>(i) * stretch / rate_hz < duration_s_; ++i) {
       const double when_s = start_s + stretch * static_cast<double>(i) / rate_hz;
       std::vector<Eigen::Vector3d> at_m = joints_at(when_s);
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(motion_(when_s).heading_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
       for (std::size_t j = 0; j < points; ++j) {
-        wander[j] = 0.93 * wander[j] + 0.003 * Eigen::Vector3d(normal(), normal(), normal());
+        drift[j] = 0.93 * drift[j] + 0.003 * Eigen::Vector3d(normal(), normal(), normal());
         at_m[j] +=
-            turn * offset_in_body_m_[j] + wander[j] + 0.004 * Eigen::Vector3d(normal(), normal(), normal());
+            turn * offset_in_body_m_[j] + drift[j] + 0.004 * Eigen::Vector3d(normal(), normal(), normal());
       }
       const Eigen::Vector3d root_m = has(Change::root) ? at_m[0] : Eigen::Vector3d::Zero();
       for (std::size_t j = 0; j < points; ++j) {

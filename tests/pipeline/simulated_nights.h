@@ -12,7 +12,7 @@
 namespace trilat {
 
 // How two nights differ. All of it is simulated: persons with errors of their own (3 cm an axis, fixed) and
-// an own unrest, errors that wander with 1 s (1.5 cm an axis) and jitter (3 mm), shared by the methods but
+// an own unrest, errors that drift with 1 s (1.5 cm an axis) and jitter (3 mm), shared by the methods but
 // for a quarter of their own.
 struct NightModel {
   std::size_t participants = 16;
@@ -50,7 +50,7 @@ class SimulatedNights {
  private:
   using Vector = std::array<double, kAxes>;
 
-  // One joint's wander by all methods: the shared part and each method's own.
+  // One joint's drift by all methods: the shared part and each method's own.
   struct Wander {
     std::array<Vector, kMethods + 1> value{};
     void step(const RandomStream& random, std::uint32_t& draw, double keep) {
@@ -65,13 +65,13 @@ class SimulatedNights {
     }
   };
 
-  static double length_of(const Vector& bias, const Wander& wander, std::size_t method, double scale,
+  static double length_of(const Vector& bias, const Wander& drift, std::size_t method, double scale,
                           double jitter) {
     constexpr double kOwn = 0.5;  // a quarter of the variance
     double squared = 0.0;
     for (std::size_t a = 0; a < kAxes; ++a) {
       const double w =
-          std::sqrt(1.0 - kOwn * kOwn) * wander.value[kMethods][a] + kOwn * wander.value[method][a];
+          std::sqrt(1.0 - kOwn * kOwn) * drift.value[kMethods][a] + kOwn * drift.value[method][a];
       const double error_m = bias[a] + 0.015 * scale * w + 0.003 * jitter;
       squared += error_m * error_m;
     }

@@ -135,7 +135,7 @@ TEST(LinearStart, IsLinearTrilateration) {
     for (int i = 0; i < problem.count; ++i)
       problem.sensor_m[i] = Eigen::Vector3d(model.sensor_m[i][0], model.sensor_m[i][1], model.sensor_m[i][2]);
     const LinearStart start = linear_start(problem);
-    LaneRows truth_m(3, 64), range_m(8, 64), position_m(3, 64);
+    AlignedRows truth_m(3, 64), range_m(8, 64), position_m(3, 64);
     make_range_trials(model, 0, 64, {truth_m.stride(), truth_m.row(0), range_m.row(0)});
     start.positions(problem.count, 64, range_m, position_m);
     for (std::size_t i = 0; i < 64; ++i) {

@@ -53,7 +53,7 @@ BodyTracker::Sight BodyTracker::sight_of(const SkeletonPose& pose) {
   return sight;
 }
 
-void BodyTracker::note_back(const BodyView& view, std::uint64_t frame) {
+void BodyTracker::update_back_view(const BodyView& view, std::uint64_t frame) {
   const bool back = std::abs(view.azimuth_rad) > spec_.back_view_angle_rad;
   const bool was_exchanged = exchanged_;
   if (!back)
@@ -71,7 +71,7 @@ Body BodyTracker::body_of(const Sight& sight,
   body.tracking_id = tracking_id_;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     if (!sight.in_view[j]) continue;
-    const bool inferred = sight.hidden[j] && !errors_.said_to_be_tracked(j);
+    const bool inferred = sight.hidden[j] && !errors_.reported_as_tracked(j);
     body.tracking_state[j] =
         static_cast<std::uint8_t>(inferred ? TrackingState::inferred : TrackingState::tracked);
     const Eigen::Vector3f point_m = (sensor_from_world * joint_in_world_m[j]).cast<float>();
@@ -84,7 +84,7 @@ TrackedFrame BodyTracker::observe(std::uint64_t frame, const SkeletonPose& pose)
   TRILAT_CHECK(frame == next_frame_++, "a tracker sees every frame once, in order");
   const Sight sight = sight_of(pose);
   const Eigen::Vector3d& sensor_m = sensor_.pose.world_from_sensor.translation_m;
-  note_back(body_view(pose, sensor_m), frame);
+  update_back_view(body_view(pose, sensor_m), frame);
   // The SDK gives numbers above 2^56, and a new one to a person who comes back. No two in a campaign are
   // equal.
   if ((sight.in_view & ~sight.hidden).none())

@@ -35,7 +35,7 @@ class BodyTracker {
   };
   Sight sight_of(const SkeletonPose& pose);
   // Whether the back is seen, and taken for the front.
-  void note_back(const BodyView& view, std::uint64_t frame);
+  void update_back_view(const BodyView& view, std::uint64_t frame);
   Body body_of(const Sight& sight, const std::array<Eigen::Vector3d, kJointCount>& joint_in_world_m) const;
 
   BodyTrackerSpec spec_;

@@ -32,10 +32,10 @@ struct BodyTrackerSpec {
   Groups jump_rate_per_minute{};  // of one joint
   // What hidden joints are off by more, which goes with the direction of view.
   Groups inferred_error_sigma_m{};
-  double wander_path_m = 0.0;  // in which the wander's correlation falls by e
-  // How the sum of bias, wander and jitter splits: sigma along the ray over sigma across it, the total kept.
+  double wander_path_m = 0.0;  // in which the drift's correlation falls by e
+  // How the sum of bias, drift and jitter splits: sigma along the ray over sigma across it, the total kept.
   double ray_ratio = 1.0;
-  double unit_depth_share = 0.0;  // of the depth error of the sensor's unit (offset and wiggle)
+  double unit_depth_share = 0.0;  // of the depth error of the sensor's unit (offset and wiggling)
   double lag_s = 0.0;             // time constant of a first-order filter
   double jump_size_m = 0.0;
   double jump_duration_s = 0.0;

@@ -122,7 +122,7 @@ Vector3d JointErrors::along_and_across(const Vector3d& error_m, const Vector3d& 
 }
 
 // All sensors draw their common part, and that of the direction of view, from the same numbers.
-void JointErrors::wander(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const {
+void JointErrors::drift(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const {
   const double kept = state.has_wander ? decay(step_m, spec_.wander_path_m) : 0.0;
   state.has_wander = true;
   if (kept == 1.0) return;
@@ -153,9 +153,9 @@ Vector3d JointErrors::jump(JointState& state, std::size_t joint, std::uint64_t f
 
 void JointErrors::note_hidden(JointState& state, std::size_t joint, std::uint64_t frame, bool hidden) const {
   if (hidden && !state.hidden)
-    state.said_to_be_tracked =
+    state.reported_as_tracked =
         key_.stream(Purpose::tracker_hidden, joint, frame).uniform(0) < spec_.hidden_as_tracked_share;
-  if (!hidden) state.said_to_be_tracked = false;
+  if (!hidden) state.reported_as_tracked = false;
   state.hidden = hidden;
 }
 
@@ -175,7 +175,7 @@ std::array<Vector3d, kJointCount> JointErrors::step(std::uint64_t frame, const S
       continue;
     }
     const Vector3d& truth_m = pose.joint_in_world_m[j];
-    wander(state, j, frame, state.has_truth ? (truth_m - state.truth_m).norm() : 0.0);
+    drift(state, j, frame, state.has_truth ? (truth_m - state.truth_m).norm() : 0.0);
     Vector3d error_m = world_from_body * (state.bias_m.seen_from(view.azimuth_rad) +
                                           state.wander_m.seen_from(view.azimuth_rad));
     if (const double sigma_m = of_group(spec_.jitter_sigma_m, j); sigma_m > 0.0)

@@ -47,7 +47,7 @@ struct ViewedVector {
 };
 
 // Where one sensor's tracker puts a person's joints, frame by frame: the truth with lag, systematic error,
-// wander, jitter, jumps, and what is added while a joint is hidden.
+// drift, jitter, jumps, and what is added while a joint is hidden.
 class JointErrors {
  public:
   JointErrors(const BodyTrackerSpec& spec, double rate_hz, const TrackerKey& key, const DepthUnit& unit);
@@ -58,7 +58,7 @@ class JointErrors {
   // The next frame follows none: nothing lags.
   void restart();
   // Hidden in the last frame, but said to be tracked.
-  bool said_to_be_tracked(std::size_t joint) const { return joints_[joint].said_to_be_tracked; }
+  bool reported_as_tracked(std::size_t joint) const { return joints_[joint].reported_as_tracked; }
 
  private:
   struct JointState {
@@ -66,10 +66,10 @@ class JointErrors {
     Eigen::Vector3d lagged_m, truth_m;
     Eigen::Vector3d jump_m;
     std::uint64_t jump_end = 0;  // the first frame without
-    bool has_wander = false, has_truth = false, hidden = false, said_to_be_tracked = false;
+    bool has_wander = false, has_truth = false, hidden = false, reported_as_tracked = false;
   };
   Eigen::Vector3d follow(JointState& state, const Eigen::Vector3d& truth_m) const;
-  void wander(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const;
+  void drift(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const;
   Eigen::Vector3d along_and_across(const Eigen::Vector3d& error_m, const Eigen::Vector3d& ray) const;
   Eigen::Vector3d jump(JointState& state, std::size_t joint, std::uint64_t frame) const;
   void note_hidden(JointState& state, std::size_t joint, std::uint64_t frame, bool hidden) const;

@@ -142,7 +142,7 @@ MocapPositions read_markers(const std::filesystem::path& file) {
   return read_positions(reader, assets);
 }
 
-std::vector<NamedPoint> common_points(const Take& take) {
+std::vector<NamedPoint> correspondences(const Take& take) {
   const MocapHeader header = read_marker_header(take.mocap);
   std::vector<MocapHeader> brought;
   for (const BroughtJoints& joints : take.joints) brought.push_back(read_marker_header(joints.file));
@@ -191,7 +191,7 @@ std::vector<std::string> points_left_out(const Take& take, const std::vector<std
 
 void look_into_brought(PlannedTake& planned, const StudySpec& study) {
   const Take& take = planned.take;
-  planned.points = common_points(take);
+  planned.points = correspondences(take);
   const MocapPositions positions = read_markers(take.mocap);
   if (positions.time.empty()) throw InputError(take.mocap.string(), "holds no frames");
   planned.simulated = positions.header.is_simulated();

@@ -57,8 +57,8 @@ RaySigma sigma_of(const Plan& plan, const PlannedTake& planned, const PreparedTa
 
 // Priors as the calibration states them, root mean square over the sensors, where that is less than the
 // usual: wide priors would let the whole rig drift.
-CorrectionPriors priors_of(const std::vector<SensorPose>& poses) {
-  CorrectionPriors priors;
+PosePriors priors_of(const std::vector<SensorPose>& poses) {
+  PosePriors priors;
   const auto set = [&](double& prior, double SensorPose::*sigma) {
     double squares = 0.0;
     for (const SensorPose& pose : poses) squares += pose.*sigma * pose.*sigma;

@@ -86,11 +86,11 @@ std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, 
 
 // Warning of a clock offset that the trackers' lag does not explain; empty when there is none.
 std::string warning_of(const ClockOffset& found, const StudySpec& study) {
-  if (found.status == ClockOffsetStatus::no_agreement && std::isfinite(found.misfit_m))
+  if (found.status == ClockOffsetStatus::no_agreement && std::isfinite(found.median_distance_m))
     return fmt::format(
         "lies {:.1f} m from where the sensors see the joints, at every start within {:g} s of the stated one "
         "that fits their speeds; is the calibration in its world, and mocap_start_host_ns right?",
-        found.misfit_m, study.clock_search_s);
+        found.median_distance_m, study.clock_search_s);
   if (found.status == ClockOffsetStatus::no_agreement || found.status == ClockOffsetStatus::at_limit)
     return fmt::format(
         "does not move as the sensors see the person move, at any start within {:g} s of the stated one; is "
