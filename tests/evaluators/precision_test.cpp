@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/descent.h"
+#include "evaluators/solvers/nonlinear.h"
 #include "tests/evaluators/range_problems.h"
 
 namespace trilat {

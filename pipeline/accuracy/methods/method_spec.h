@@ -47,7 +47,7 @@ struct MethodSpec {
   bool sigma_is_estimated = false;  // range_bearing: from the take itself, without truth
   // How the sensors stand and measure is corrected by what the take shows of it, without truth.
   bool calibration_is_estimated = false;
-  KalmanOptions kalman;  // of kalman and rts
+  KalmanOptions kalman;       // of kalman and rts
   BoneSmootherOptions bones;  // of window
 };
 
