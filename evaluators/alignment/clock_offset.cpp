@@ -11,7 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "evaluators/alignment/alignment.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

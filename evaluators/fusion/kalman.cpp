@@ -5,7 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/fusion/motion_filter.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "datasets/base/error.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 #include "evaluators/solvers/descent.h"
 
 namespace trilat {

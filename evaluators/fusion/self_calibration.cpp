@@ -12,7 +12,7 @@
 
 #include "datasets/base/error.h"
 #include "evaluators/fusion/ray_variances.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 #include "evaluators/solvers/descent.h"
 
 namespace trilat {

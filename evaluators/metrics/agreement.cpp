@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 

@@ -96,6 +96,29 @@ HWY_INLINE LaneEquations Linearise(const RangeLanes& lanes, const Work& work, V 
   return sum;
 }
 
+// The inverse of J^T J is adjugate / determinant, eq. 18.
+struct LaneAdjugate {
+  V xx, xy, xz, yy, yz, zz, determinant;
+};
+
+HWY_INLINE LaneAdjugate AdjugateOf(const LaneEquations& e) {
+  LaneAdjugate a{e.yy * e.zz - e.yz * e.yz,
+                 e.xz * e.yz - e.xy * e.zz,
+                 e.xy * e.yz - e.xz * e.yy,
+                 e.xx * e.zz - e.xz * e.xz,
+                 e.xy * e.xz - e.xx * e.yz,
+                 e.xx * e.yy - e.xy * e.xy,
+                 e.cost};
+  a.determinant = e.xx * a.xx + e.xy * a.xy + e.xz * a.xz;
+  return a;
+}
+
+// As is_rank_deficient().
+HWY_INLINE M SpanSpace(const LaneEquations& e, const LaneAdjugate& a) {
+  const V ratio = hn::Set(D(), kRankRatio), trace = e.xx + e.yy + e.zz, pairs = a.xx + a.yy + a.zz;
+  return hn::And(pairs > ratio * trace * trace, a.determinant > ratio * trace * pairs);
+}
+
 HWY_INLINE V StatusOf(SolveStatus status) { return hn::Set(D(), static_cast<double>(status)); }
 
 // Descents of all lanes. Where descents are long, a lane that ends takes the next problem at once; where they
@@ -108,48 +131,32 @@ class Descents {
 
   void run() {
     const D d;
-    const V tolerance2 = hn::Set(d, options_.step_tolerance_m * options_.step_tolerance_m);
-    const V limit = hn::Set(d, static_cast<double>(options_.max_iterations));
-    const V ratio = hn::Set(d, kRankRatio), one = hn::Set(d, 1.0);
+    const V limit = hn::Set(d, static_cast<double>(options_.max_iterations)), one = hn::Set(d, 1.0);
     take_vector();
     while (!hn::AllFalse(d, active_)) {
       const LaneEquations e =
           Linearise<printed, known_sensors>(lanes_, work_, x_, y_, z_, options_.printed_unit_m);
-      V stops_at = tolerance2;
-      auto stops = step2_ < stops_at;
-      if (options_.stop != StopRule::step) {
-        const V change = e.cost - before_;
-        stops_at = hn::Set(d, options_.threshold_m2);
-        stops = (options_.stop == StopRule::printed ? change : hn::Abs(change)) < stops_at;
-      }
-      const V axx = e.yy * e.zz - e.yz * e.yz, axy = e.xz * e.yz - e.xy * e.zz,
-              axz = e.xy * e.yz - e.xz * e.yy, ayy = e.xx * e.zz - e.xz * e.xz,
-              ayz = e.xy * e.xz - e.xx * e.yz, azz = e.xx * e.yy - e.xy * e.xy;
-      const V determinant = e.xx * axx + e.xy * axy + e.xz * axz;
-      const V trace = e.xx + e.yy + e.zz, pairs = axx + ayy + azz;
-      const M spans = hn::And(pairs > ratio * trace * trace, determinant > ratio * trace * pairs);
-      const M finite = hn::IsFinite(e.cost);
-      const M ends =
-          hn::And(active_, hn::Or(hn::Or(stops, steps_ >= limit), hn::Not(hn::And(finite, spans))));
-      active_ = hn::AndNot(ends, active_);
-      const V scale = hn::Set(d, -1.0) / determinant;
-      const V sx = (axx * e.gx + axy * e.gy + axz * e.gz) * scale,
-              sy = (axy * e.gx + ayy * e.gy + ayz * e.gz) * scale,
-              sz = (axz * e.gx + ayz * e.gy + azz * e.gz) * scale;
+      const LaneAdjugate a = AdjugateOf(e);
+      const M stops = stop_rule_holds(e.cost), at_limit = steps_ >= limit, finite = hn::IsFinite(e.cost);
+      const M goes_on = hn::AndNot(hn::Or(stops, at_limit), hn::And(finite, SpanSpace(e, a)));
+      const M ends = hn::AndNot(goes_on, active_);
+      active_ = hn::And(active_, goes_on);
+      const V scale = hn::Set(d, -1.0) / a.determinant;
+      const V sx = (a.xx * e.gx + a.xy * e.gy + a.xz * e.gz) * scale;
+      const V sy = (a.xy * e.gx + a.yy * e.gy + a.yz * e.gz) * scale;
+      const V sz = (a.xz * e.gx + a.yz * e.gy + a.zz * e.gz) * scale;
       x_ = hn::IfThenElse(active_, x_ + sx, x_);
       y_ = hn::IfThenElse(active_, y_ + sy, y_);
       z_ = hn::IfThenElse(active_, z_ + sz, z_);
-      if (!hn::AllFalse(d, ends)) {
-        V status = hn::IfThenElse(steps_ >= limit, StatusOf(SolveStatus::iteration_limit),
-                                  StatusOf(SolveStatus::rank_deficient));
-        status = hn::IfThenElse(stops, StatusOf(SolveStatus::converged), status);
-        status = hn::IfThenElse(finite, status, StatusOf(SolveStatus::diverged));
-        status_ = hn::IfThenElse(ends, status, status_);
-      }
       step2_ = sx * sx + sy * sy + sz * sz;
       before_ = e.cost;
       steps_ = hn::IfThenElse(active_, steps_ + one, steps_);
-      if (hn::AllFalse(d, ends)) continue;
+      if (HWY_LIKELY(hn::AllFalse(d, ends))) continue;
+      V how = hn::IfThenElse(at_limit, StatusOf(SolveStatus::iteration_limit),
+                             StatusOf(SolveStatus::rank_deficient));
+      how = hn::IfThenElse(stops, StatusOf(SolveStatus::converged), how);
+      how = hn::IfThenElse(finite, how, StatusOf(SolveStatus::diverged));
+      status_ = hn::IfThenElse(ends, how, status_);
       if (refills_)
         take_some(ends);
       else if (hn::AllFalse(d, active_))
@@ -158,6 +165,14 @@ class Descents {
   }
 
  private:
+  HWY_INLINE M stop_rule_holds(V cost) const {
+    const D d;
+    if (options_.stop == StopRule::step)
+      return step2_ < hn::Set(d, options_.step_tolerance_m * options_.step_tolerance_m);
+    const V change = cost - before_, threshold = hn::Set(d, options_.threshold_m2);
+    return (options_.stop == StopRule::printed ? change : hn::Abs(change)) < threshold;
+  }
+
   // Writes down a vector of problems, all of which ended, and takes the next, while there are any.
   HWY_INLINE void take_vector() {
     const D d;

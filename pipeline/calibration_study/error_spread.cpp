@@ -10,8 +10,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
-#include "evaluators/metrics/cluster_ratios.h"
-#include "evaluators/metrics/quantiles.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "datasets/results/claims.h"
-#include "evaluators/metrics/cluster_ratios.h"
-#include "evaluators/metrics/share.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

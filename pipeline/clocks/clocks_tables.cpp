@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
-#include "evaluators/metrics/share.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "datasets/results/summary.h"
 #include "datasets/results/take_errors.h"
-#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/statistics.h"
 #include "pipeline/errors/movement.h"
 #include "pipeline/errors/pair_errors.h"
 

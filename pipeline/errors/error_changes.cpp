@@ -8,8 +8,7 @@
 #include <tuple>
 
 #include "datasets/results/results_file.h"
-#include "evaluators/metrics/cluster_ratios.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

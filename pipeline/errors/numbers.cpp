@@ -14,7 +14,7 @@
 #include "datasets/base/error.h"
 #include "evaluators/metrics/agreement.h"
 #include "evaluators/metrics/body_metrics.h"
-#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

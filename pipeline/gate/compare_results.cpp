@@ -13,7 +13,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/gate_history.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 #include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/found_results.h"
 

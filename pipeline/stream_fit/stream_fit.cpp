@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 #include "pipeline/stream_fit/size_candidates.h"
 #include "pipeline/stream_fit/stream_clock.h"
 #include "pipeline/stream_fit/stream_search.h"

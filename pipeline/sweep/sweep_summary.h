@@ -13,7 +13,7 @@
 #include "datasets/base/strict_json.h"
 #include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gsl/gsl_cdf.h>
 
-#include "evaluators/metrics/student.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

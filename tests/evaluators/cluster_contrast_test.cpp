@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluators/metrics/cluster_ratios.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

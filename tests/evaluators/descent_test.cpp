@@ -164,15 +164,6 @@ TEST_P(EverySetting, EveryInstructionSetGivesTheSameBits) {
   if (targets < 2) GTEST_SKIP() << "this processor has one instruction set only";
 }
 
-std::vector<RangeProblem> ring_problems(std::size_t count) {
-  std::vector<RangeProblem> problems;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    problems.push_back(problem_of(well_posed_sensors_m(), random_joint_m({7, Purpose::test, 0}, i)));
-    add_noise(problems.back(), RandomStream{8, Purpose::test, i}, 0.05);
-  }
-  return problems;
-}
-
 Descent lane_of(const RangeLanes& lanes, std::size_t lane) {
   return {lanes.position_m.position(lane), lanes.status[lane],
           static_cast<int>(lanes.iterations.row(0)[lane]), kNaN};
@@ -213,6 +204,77 @@ TEST_P(EveryUndampedSetting, EachLaneEndsAsTheScalarDescent) {
   }
   EXPECT_GT(seen[SolveStatus::converged], 20);
   EXPECT_GT(seen[SolveStatus::diverged], 20);
+}
+
+std::vector<RangeProblem> ring_problems(std::size_t count) {
+  std::vector<RangeProblem> problems;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    problems.push_back(problem_of(well_posed_sensors_m(), random_joint_m({7, Purpose::test, 0}, i)));
+    add_noise(problems.back(), RandomStream{8, Purpose::test, i}, 0.05);
+  }
+  return problems;
+}
+
+struct HardCase {
+  const char* name;
+  RangeProblem problem;
+  SolveStatus damped;  // how the default ends
+};
+
+std::vector<HardCase> hard_cases() {
+  const Vector3d joint_m(0.2, 1.1, -0.3);
+  const auto four = [&](const std::vector<Vector3d>& sensors_m) { return problem_of(sensors_m, joint_m); };
+  const auto with = [](RangeProblem problem, const auto& change) {
+    change(problem);
+    return problem;
+  };
+  const RangeProblem good = four(well_posed_sensors_m());
+  const RangeProblem level = four({{2, 1, 0}, {-2, 1, 0}, {0, 1, 2}, {0, 1, -2}});
+  return {
+      {"one_place", four(std::vector<Vector3d>(4, {1, 1, 1})), SolveStatus::rank_deficient},
+      {"on_a_line", four({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {4, 4, 4}}), SolveStatus::rank_deficient},
+      {"in_a_plane_both_sides_right", level, SolveStatus::mirror_ambiguous},
+      {"in_a_plane_with_a_hint", with(level, [&](RangeProblem& p) { p.hint_m = joint_m; }),
+       SolveStatus::converged},
+      {"ranges_of_zero", with(good, [](RangeProblem& p) { p.range_m.fill(0.0); }), SolveStatus::converged},
+      {"one_gross_outlier", with(good, [](RangeProblem& p) { p.range_m[2] *= 4.0; }), SolveStatus::converged},
+      {"nan", with(good, [](RangeProblem& p) { p.range_m[1] = kNaN; }), SolveStatus::non_finite_input},
+      {"negative", with(good, [](RangeProblem& p) { p.range_m[1] = -1.0; }), SolveStatus::invalid_input},
+      {"two_sensors", with(good, [](RangeProblem& p) { p.count = 2; }), SolveStatus::too_few_ranges},
+      {"good", good, SolveStatus::converged}};
+}
+
+TEST(HardCases, EndInTheirStatus) {
+  for (const HardCase& hard : hard_cases())
+    EXPECT_EQ(solve_nonlinear(hard.problem, {}).status, hard.damped) << hard.name;
+}
+
+// All of them side by side, so that each lane has neighbours that end otherwise.
+TEST_P(EverySetting, EndsHardCasesAlikeAloneAndTogether) {
+  std::vector<RangeProblem> problems;
+  for (const HardCase& hard : hard_cases()) problems.push_back(hard.problem);
+  std::vector<PointEstimate> together(problems.size());
+  for (const int max_iterations : {1, 50}) {
+    NonlinearOptions options = GetParam().options;
+    options.max_iterations = max_iterations;
+    solve_nonlinear(problems, options, together);
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+      const PointEstimate alone = solve_nonlinear(problems[i], options);
+      EXPECT_TRUE(same(alone, together[i]))
+          << hard_cases()[i].name << ": " << name_of(alone.status) << " and " << name_of(together[i].status);
+      EXPECT_LE(alone.iterations, 2 * max_iterations);
+      EXPECT_TRUE(alone.position_m.allFinite() || !is_usable(alone.status)) << hard_cases()[i].name;
+    }
+  }
+}
+
+TEST(Descent, OneIterationThatDoesNotConvergeIsItsLimit) {
+  for (const Damping damping : {Damping::none, Damping::lm}) {
+    NonlinearOptions options;
+    options.damping = damping;
+    options.max_iterations = 1;
+    EXPECT_EQ(solve_nonlinear(ring_problems(1)[0], options).status, SolveStatus::iteration_limit);
+  }
 }
 
 TEST(RangeLanes, RefuseDamping) {

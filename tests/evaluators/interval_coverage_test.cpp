@@ -10,8 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/base/philox.h"
-#include "evaluators/metrics/cluster_ratios.h"
-#include "evaluators/metrics/share.h"
+#include "evaluators/metrics/statistics.h"
 #include "tests/support/trials.h"
 
 namespace trilat {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/metrics/quantiles.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/philox.h"
+#include "evaluators/metrics/statistics.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {

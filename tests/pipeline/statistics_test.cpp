@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "evaluators/metrics/statistics.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +8,6 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
-#include "evaluators/metrics/student.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
