@@ -121,47 +121,50 @@ HWY_INLINE M SpanSpace(const LaneEquations& e, const LaneAdjugate& a) {
 
 HWY_INLINE V StatusOf(SolveStatus status) { return hn::Set(D(), static_cast<double>(status)); }
 
-// Descents of all lanes. Where descents are long, a lane that ends takes the next problem at once; where they
-// are a few steps, taking one costs more than waiting for the others of the vector.
+// Descents of one vector of lanes. Where descents are long, a lane that ends takes the next problem at once;
+// where they are a few steps, taking one costs more than waiting for the others of the vector.
 template <bool printed, int known_sensors>
 class Descents {
  public:
-  Descents(RangeLanes& lanes, const DescentOptions& options)
-      : lanes_(lanes), options_(options), refills_(printed) {}
+  // `next`: the first problem that nobody took yet, for all vectors.
+  Descents(RangeLanes& lanes, const DescentOptions& options, std::size_t& next)
+      : lanes_(lanes), options_(options), next_(next) {
+    take_vector();
+  }
 
-  void run() {
+  HWY_INLINE bool goes_on() const { return !hn::AllFalse(D(), active_); }
+
+  // One step of every lane.
+  HWY_INLINE void step() {
     const D d;
     const V limit = hn::Set(d, static_cast<double>(options_.max_iterations)), one = hn::Set(d, 1.0);
-    take_vector();
-    while (!hn::AllFalse(d, active_)) {
-      const LaneEquations e =
-          Linearise<printed, known_sensors>(lanes_, work_, x_, y_, z_, options_.printed_unit_m);
-      const LaneAdjugate a = AdjugateOf(e);
-      const M stops = stop_rule_holds(e.cost), at_limit = steps_ >= limit, finite = hn::IsFinite(e.cost);
-      const M goes_on = hn::AndNot(hn::Or(stops, at_limit), hn::And(finite, SpanSpace(e, a)));
-      const M ends = hn::AndNot(goes_on, active_);
-      active_ = hn::And(active_, goes_on);
-      const V scale = hn::Set(d, -1.0) / a.determinant;
-      const V sx = (a.xx * e.gx + a.xy * e.gy + a.xz * e.gz) * scale;
-      const V sy = (a.xy * e.gx + a.yy * e.gy + a.yz * e.gz) * scale;
-      const V sz = (a.xz * e.gx + a.yz * e.gy + a.zz * e.gz) * scale;
-      x_ = hn::IfThenElse(active_, x_ + sx, x_);
-      y_ = hn::IfThenElse(active_, y_ + sy, y_);
-      z_ = hn::IfThenElse(active_, z_ + sz, z_);
-      step2_ = sx * sx + sy * sy + sz * sz;
-      before_ = e.cost;
-      steps_ = hn::IfThenElse(active_, steps_ + one, steps_);
-      if (HWY_LIKELY(hn::AllFalse(d, ends))) continue;
-      V how = hn::IfThenElse(at_limit, StatusOf(SolveStatus::iteration_limit),
-                             StatusOf(SolveStatus::rank_deficient));
-      how = hn::IfThenElse(stops, StatusOf(SolveStatus::converged), how);
-      how = hn::IfThenElse(finite, how, StatusOf(SolveStatus::diverged));
-      status_ = hn::IfThenElse(ends, how, status_);
-      if (refills_)
-        take_some(ends);
-      else if (hn::AllFalse(d, active_))
-        take_vector();
-    }
+    const LaneEquations e =
+        Linearise<printed, known_sensors>(lanes_, work_, x_, y_, z_, options_.printed_unit_m);
+    const LaneAdjugate a = AdjugateOf(e);
+    const M stops = stop_rule_holds(e.cost), at_limit = steps_ >= limit, finite = hn::IsFinite(e.cost);
+    const M stays = hn::AndNot(hn::Or(stops, at_limit), hn::And(finite, SpanSpace(e, a)));
+    const M ends = hn::AndNot(stays, active_);
+    active_ = hn::And(active_, stays);
+    const V scale = hn::Set(d, -1.0) / a.determinant;
+    const V sx = (a.xx * e.gx + a.xy * e.gy + a.xz * e.gz) * scale;
+    const V sy = (a.xy * e.gx + a.yy * e.gy + a.yz * e.gz) * scale;
+    const V sz = (a.xz * e.gx + a.yz * e.gy + a.zz * e.gz) * scale;
+    x_ = hn::IfThenElse(active_, x_ + sx, x_);
+    y_ = hn::IfThenElse(active_, y_ + sy, y_);
+    z_ = hn::IfThenElse(active_, z_ + sz, z_);
+    step2_ = sx * sx + sy * sy + sz * sz;
+    before_ = e.cost;
+    steps_ = hn::IfThenElse(active_, steps_ + one, steps_);
+    if (HWY_LIKELY(hn::AllFalse(d, ends))) return;
+    V how = hn::IfThenElse(at_limit, StatusOf(SolveStatus::iteration_limit),
+                           StatusOf(SolveStatus::rank_deficient));
+    how = hn::IfThenElse(stops, StatusOf(SolveStatus::converged), how);
+    how = hn::IfThenElse(finite, how, StatusOf(SolveStatus::diverged));
+    status_ = hn::IfThenElse(ends, how, status_);
+    if (printed)
+      take_some(ends);
+    else if (!goes_on())
+      take_vector();
   }
 
  private:
@@ -176,19 +179,19 @@ class Descents {
   // Writes down a vector of problems, all of which ended, and takes the next, while there are any.
   HWY_INLINE void take_vector() {
     const D d;
-    if (next_ > 0) {
+    if (taken_ > 0) {
       const std::size_t first = work_.problem[0];
       hn::Store(x_, d, lanes_.position_m.row(0) + first);
       hn::Store(y_, d, lanes_.position_m.row(1) + first);
       hn::Store(z_, d, lanes_.position_m.row(2) + first);
       hn::Store(steps_, d, lanes_.iterations.row(0) + first);
       hn::Store(status_, d, work_.status);
-      for (std::size_t lane = 0; first + lane < next_; ++lane)
+      for (std::size_t lane = 0; lane < taken_; ++lane)
         lanes_.status[first + lane] = static_cast<SolveStatus>(static_cast<int>(work_.status[lane]));
     }
-    const std::size_t taken = std::min(hn::Lanes(d), lanes_.count - next_);
-    active_ = hn::FirstN(d, taken);
-    if (taken == 0) return;
+    taken_ = std::min(hn::Lanes(d), lanes_.count - next_);
+    active_ = hn::FirstN(d, taken_);
+    if (taken_ == 0) return;
     for (std::size_t i = 0; i < lanes_.sensor_m.size(); ++i)
       hn::Store(hn::Load(d, lanes_.range_m.row(i) + next_), d, work_.range_m[i]);
     x_ = hn::Load(d, lanes_.position_m.row(0) + next_);
@@ -197,8 +200,8 @@ class Descents {
     step2_ = hn::Set(d, std::numeric_limits<double>::infinity());
     before_ = hn::Neg(step2_);
     steps_ = status_ = hn::Zero(d);
-    for (std::size_t lane = 0; lane < taken; ++lane) work_.problem[lane] = next_ + lane;
-    next_ += taken;
+    for (std::size_t lane = 0; lane < taken_; ++lane) work_.problem[lane] = next_ + lane;
+    next_ += taken_;
   }
 
   // Writes down the lanes that ended; each takes the next problem, while there are any.
@@ -232,18 +235,29 @@ class Descents {
 
   RangeLanes& lanes_;
   const DescentOptions& options_;
-  const bool refills_;
-  std::size_t next_ = 0;
+  std::size_t& next_;
+  std::size_t taken_ = 0;  // with the last vector
   Work work_{};
   V x_, y_, z_, step2_, before_, steps_, status_;
   M active_;
 };
 
+// Two vectors in turn: a step of one does not wait for that of the other.
+template <bool printed, int known_sensors>
+void DescendKind(RangeLanes& lanes, const DescentOptions& options) {
+  std::size_t next = 0;
+  Descents<printed, known_sensors> one(lanes, options, next), other(lanes, options, next);
+  while (one.goes_on() || other.goes_on()) {
+    if (HWY_LIKELY(one.goes_on())) one.step();
+    if (HWY_LIKELY(other.goes_on())) other.step();
+  }
+}
+
 void DescendAll(RangeLanes& lanes, const DescentOptions& options) {
   const bool four = lanes.sensor_m.size() == 4;
   if (options.gradient == Gradient::printed)
-    return four ? Descents<true, 4>(lanes, options).run() : Descents<true, 0>(lanes, options).run();
-  return four ? Descents<false, 4>(lanes, options).run() : Descents<false, 0>(lanes, options).run();
+    return four ? DescendKind<true, 4>(lanes, options) : DescendKind<true, 0>(lanes, options);
+  return four ? DescendKind<false, 4>(lanes, options) : DescendKind<false, 0>(lanes, options);
 }
 
 }  // namespace HWY_NAMESPACE
