@@ -183,7 +183,7 @@ bool converge(RayRows& rows, std::span<const RigidTransform> rig, double toleran
 RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observations,
                                     std::span<const RigidTransform> world_from_sensor,
                                     std::span<const std::uint32_t> cluster) {
-  constexpr double kTolerance = 1e-5;
+  constexpr double kTolerance = 1e-4;  // of sigma, whose interval is a hundred times as wide
   constexpr int kMaxRounds = 200;
   RayRows rows = ray_rows(observations, world_from_sensor.size(), cluster);
   RaySigmaEstimate result;
