@@ -32,7 +32,7 @@ class BoneSmoother {
         position_m_(path.time_ns.size() * joints_),
         moved_m_(position_m_.size()),
         farthest_m_(joints_, std::numeric_limits<double>::infinity()),
-        filter_(options.acceleration_density_m2_s3) {
+        filter_(options.acceleration_density_m2_s3, path.time_ns.size()) {
     for (std::size_t j = 0; j < joints_; ++j) start(j);
     find_bones();
     for (const Joint joint : kJointsRootFirst) {
@@ -50,15 +50,12 @@ class BoneSmoother {
       ++passes;
       std::ranges::reverse(order_);  // out to the hands, and back
     }
-    SmoothedBody body;
-    body.bones = bones_;
-    for (std::size_t slot = 0; slot < position_m_.size(); ++slot) {
-      PointEstimate& estimate = body.estimates.emplace_back(failed_estimate(SolveStatus::no_observation));
-      if (!position_m_[slot].allFinite()) continue;
-      estimate.position_m = position_m_[slot];
-      estimate.status =
-          moved_m_[slot] <= options_.step_tolerance_m ? SolveStatus::converged : SolveStatus::iteration_limit;
-      estimate.iterations = passes;
+    SmoothedBody body{std::move(position_m_), {}, passes, std::move(bones_)};
+    for (std::size_t slot = 0; slot < moved_m_.size(); ++slot) {
+      const bool is_settled = moved_m_[slot] <= options_.step_tolerance_m;
+      body.status.push_back(!body.position_m[slot].allFinite() ? SolveStatus::no_observation
+                            : is_settled                       ? SolveStatus::converged
+                                                               : SolveStatus::iteration_limit);
     }
     return body;
   }
@@ -170,14 +167,14 @@ class BoneSmoother {
       if (i > first) filter_.predict(static_cast<double>(path_.time_ns[i] - path_.time_ns[i - 1]) * 1e-9);
       filter_.update(measured(i, j));
     }
-    const std::vector<Eigen::Vector3d> next_m = filter_.smoothed_positions_m(last - first);
     double farthest_m = 0.0;
-    for (std::size_t i = first; i < last; ++i) {
-      const double moved_m = (next_m[i - first] - at(i, j)).norm();
-      moved_m_[i * joints_ + j] = moved_m;
+    filter_.smooth(last - first, false, [&](std::size_t k, const MotionState& state) {
+      Eigen::Vector3d& position_m = at(first + k, j);
+      const double moved_m = (state.mean.head<3>() - position_m).norm();
+      moved_m_[(first + k) * joints_ + j] = moved_m;
       farthest_m = std::max(farthest_m, moved_m);
-      at(i, j) = next_m[i - first];
-    }
+      position_m = state.mean.head<3>();
+    });
     return farthest_m;
   }
 

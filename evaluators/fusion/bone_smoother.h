@@ -49,9 +49,11 @@ struct MedianBone {
 };
 
 struct SmoothedBody {
-  // By instant and joint: converged, iteration_limit where the joint still moved, or no_observation where
-  // solve_kalman() without gate has no path. Covariances stay NaN.
-  std::vector<PointEstimate> estimates;
+  // By instant and joint: NaN with no_observation where solve_kalman() without gate has no path, else
+  // converged, or iteration_limit where the joint still moved.
+  std::vector<Eigen::Vector3d> position_m;
+  std::vector<SolveStatus> status;
+  int passes = 0;
   // Of every joint whose parent is in the path: the median over the take of the distance between both as
   // solve_kalman() smooths them, at instants when some sensor tracks each. A bone that has no such instant is
   // free. The length is of the take and no unknown: a person has one skeleton, and a time in which a bone

@@ -36,7 +36,7 @@ class Path {
         options_(options),
         estimates_(estimates),
         gate_(chi_square_limit(options.gate_sigma, 3.0)),
-        filter_(options.acceleration_density_m2_s3) {}
+        filter_(options.acceleration_density_m2_s3, options.smooth ? time_ns.size() : 0) {}
 
   void add(std::size_t i, std::span<const JointObservation> instant) {
     estimates_[i] = failed_estimate(SolveStatus::no_observation);
@@ -55,10 +55,10 @@ class Path {
 
   // Smooths from the first to the last position of the path.
   void end() {
-    if (running_ && options_.smooth) {
-      const std::vector<MotionState> states = filter_.smoothed(last_seen_ - first_ + 1);
-      for (std::size_t k = 0; k < states.size(); ++k) estimates_[first_ + k] = estimate_of(states[k]);
-    }
+    if (running_ && options_.smooth)
+      filter_.smooth(last_seen_ - first_ + 1, true, [&](std::size_t k, const MotionState& state) {
+        estimates_[first_ + k] = estimate_of(state);
+      });
     running_ = false;
   }
 

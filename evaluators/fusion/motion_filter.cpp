@@ -63,6 +63,7 @@ void MotionFilter::predict(double step_s) {
   now_.covariance.diagonal().tail<3>().array() += velocity;
   now_.covariance.topRightCorner<3, 3>().diagonal().array() += both;
   now_.covariance.bottomLeftCorner<3, 3>().diagonal().array() += both;
+  if (!keeps_all_) steps_.clear();
   steps_.push_back({step_s, now_});
 }
 
@@ -77,11 +78,11 @@ void MotionFilter::update(const PositionInformation& measured) {
   now_.covariance = p - p.leftCols<3>() * (step.gain * p.topRows<3>());
 }
 
-// `visit(instant, state)` from the last instant to the first. The adjoint is what later instants say of the
-// predicted state: smoothed = predicted + P adjoint, and its information takes P information P off P.
-template <class Visit>
-void MotionFilter::go_back(std::size_t instants, bool with_covariances, const Visit& visit) const {
-  TRILAT_CHECK(instants <= steps_.size(), "only instants of the filter are smoothed");
+// The adjoint is what later instants say of the predicted state: smoothed = predicted + P adjoint, and its
+// information takes P information P off P.
+void MotionFilter::smooth(std::size_t instants, bool with_covariances,
+                          const std::function<void(std::size_t, const MotionState&)>& visit) const {
+  TRILAT_CHECK(keeps_all_ && instants <= steps_.size(), "only instants of the filter are smoothed");
   Vector6 adjoint = Vector6::Zero();
   Matrix6 information = Matrix6::Zero();
   for (std::size_t i = instants; i-- > 0;) {
@@ -100,19 +101,6 @@ void MotionFilter::go_back(std::size_t instants, bool with_covariances, const Vi
     visit(i, state);
     adjoint = moved_back(adjoint, step.step_s);
   }
-}
-
-std::vector<MotionState> MotionFilter::smoothed(std::size_t instants) const {
-  std::vector<MotionState> states(instants);
-  go_back(instants, true, [&](std::size_t i, const MotionState& state) { states[i] = state; });
-  return states;
-}
-
-std::vector<Eigen::Vector3d> MotionFilter::smoothed_positions_m(std::size_t instants) const {
-  std::vector<Eigen::Vector3d> positions_m(instants);
-  go_back(instants, false,
-          [&](std::size_t i, const MotionState& state) { positions_m[i] = state.mean.head<3>(); });
-  return positions_m;
 }
 
 }  // namespace trilat

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -39,23 +40,27 @@ struct PositionInformation {
 };
 
 // Kalman's filter of a point whose velocity is driven by white acceleration, the same in every direction: a
-// step of dt adds q [dt^3/3 dt^2/2; dt^2/2 dt] an axis. Keeps what the backward pass needs: some 450 bytes an
-// instant.
+// step of dt adds q [dt^3/3 dt^2/2; dt^2/2 dt] an axis. What the backward pass needs is some 450 bytes an
+// instant; without smoothing only the last instant is kept.
 class MotionFilter {
  public:
-  explicit MotionFilter(double acceleration_density_m2_s3) : density_(acceleration_density_m2_s3) {}
+  // `smoothed`: the most instants from one begin() to the next that smooth() is called for; 0: never.
+  MotionFilter(double acceleration_density_m2_s3, std::size_t smoothed)
+      : density_(acceleration_density_m2_s3), keeps_all_(smoothed > 0) {
+    steps_.reserve(smoothed);
+  }
 
   void begin(const MotionState& first);              // forgets all before
   void predict(double step_s);                       // the next instant
   void update(const PositionInformation& measured);  // of the last instant, at most once
   const MotionState& now() const { return now_; }    // of the last instant
-  std::size_t instants() const { return steps_.size(); }
 
-  // The states of the first so many instants since begin(), given all that was measured until the last of
-  // them, by the fixed-interval smoother of Bryson and Frazier (1963), which inverts no covariance. They are
-  // what the smoother of Rauch, Tung and Striebel (1965) gives.
-  std::vector<MotionState> smoothed(std::size_t instants) const;
-  std::vector<Eigen::Vector3d> smoothed_positions_m(std::size_t instants) const;
+  // Visits the states of the first so many instants since begin(), from the last to the first, given all that
+  // was measured until the last of them, by the fixed-interval smoother of Bryson and Frazier (1963), which
+  // inverts no covariance. They are what the smoother of Rauch, Tung and Striebel (1965) gives. Covariances
+  // are zero unless they are wanted.
+  void smooth(std::size_t instants, bool with_covariances,
+              const std::function<void(std::size_t instant, const MotionState& state)>& visit) const;
 
  private:
   struct Step {
@@ -64,10 +69,9 @@ class MotionFilter {
     Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();  // A (I + P A)^-1 of A measured, P predicted
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();  // (I + A P)^-1 (b - A x)
   };
-  template <class Visit>
-  void go_back(std::size_t instants, bool with_covariances, const Visit& visit) const;
 
   double density_;
+  bool keeps_all_;
   MotionState now_;
   std::vector<Step> steps_;
 };

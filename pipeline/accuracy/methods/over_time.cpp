@@ -51,10 +51,14 @@ void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCal
                         if (instant % 1024 == 0 && calls.must_stop && calls.must_stop()) throw Interrupted();
                         seen.observe(instant, joints[joint], observations);
                       }};
-  const std::vector<PointEstimate> estimates = smooth_bones(path, method.spec.bones).estimates;
+  const SmoothedBody body = smooth_bones(path, method.spec.bones);
   for (std::size_t i = 0; i < seen.time_ns.size(); ++i)
-    for (std::size_t j = 0; j < paths.joints; ++j)  // those asked for come first
-      paths.points[i * paths.joints + j] = point_of(estimates[i * joints.size() + j]);
+    for (std::size_t j = 0; j < paths.joints; ++j) {  // those asked for come first
+      const std::size_t slot = i * joints.size() + j;
+      const bool is_answered = body.status[slot] != SolveStatus::no_observation;
+      paths.points[i * paths.joints + j] = {body.position_m[slot], body.status[slot],
+                                            is_answered ? body.passes : 0};
+    }
   if (calls.advanced) calls.advanced(seen.time_ns.size());
 }
 
