@@ -66,7 +66,7 @@ class BoneSmoother {
     double length_m = 0.0;
   };
 
-  // Whether it, or what bones join to it, moved when it was last smoothed.
+  // Whether the joint, or one that a bone joins to it, moved by more than the tolerance when last smoothed.
   bool is_unsettled(std::size_t j) const {
     const auto moved = [&](std::size_t joint) { return farthest_m_[joint] > options_.step_tolerance_m; };
     return moved(j) || std::ranges::any_of(neighbours_[j], moved, &Neighbour::joint);
@@ -79,7 +79,7 @@ class BoneSmoother {
   Eigen::Vector3d& at(std::size_t i, std::size_t j) { return position_m_[i * joints_ + j]; }
   bool has(std::size_t i, std::size_t j) { return at(i, j).allFinite(); }
 
-  // The joint by itself, without gate.
+  // Starts the joint at its own smoothed path, found without a gate.
   void start(std::size_t j) {
     const KalmanOptions smoother{.sigma_m = options_.sigma_m,
                                  .inferred_factor = options_.inferred_factor,
@@ -119,7 +119,7 @@ class BoneSmoother {
     }
   }
 
-  // What sensors and bones say of a joint at an instant, linearised where it is.
+  // The information of sensors and bones on a joint at an instant, linearised at its present position.
   PositionInformation measured(std::size_t i, std::size_t j) {
     PositionInformation information;
     const Eigen::Vector3d x_m = at(i, j);
@@ -146,7 +146,7 @@ class BoneSmoother {
     return information;
   }
 
-  // Smooths all stretches of a joint's path; how far it moved.
+  // Smooths all stretches of a joint's path. Returns the largest distance, in metres, that it moved.
   double smooth(std::size_t j) {
     double farthest_m = 0.0;
     for (std::size_t first = 0; first < path_.time_ns.size(); ++first) {

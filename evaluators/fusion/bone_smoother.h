@@ -49,8 +49,8 @@ struct MedianBone {
 };
 
 struct SmoothedBody {
-  // By instant and joint: NaN with no_observation where solve_kalman() without gate has no path, else
-  // converged, or iteration_limit where the joint still moved.
+  // Positions and their statuses by instant and joint: NaN with no_observation where solve_kalman() without
+  // gate has no path, else converged, or iteration_limit where the joint still moved.
   std::vector<Eigen::Vector3d> position_m;
   std::vector<SolveStatus> status;
   int passes = 0;

@@ -106,7 +106,6 @@ Descent descend(const Rays& rays, const RangeBearingOptions& options, const Vect
 // bends back, from what each sees, since each may be right.
 Descent global_minimum(const Rays& rays, const RangeBearingOptions& options) {
   constexpr double kCoarse_m = 1e-4;  // tells whose minimum is the lowest, which then is found exactly
-  if (options.start_m) return descend(rays, options, *options.start_m, options.step_tolerance_m);
   Vector3d mean_m = Vector3d::Zero();
   for (const Ray& ray : rays.all()) mean_m += ray.point_m / rays.count;
   if (options.loss == Loss::squares) return descend(rays, options, mean_m, options.step_tolerance_m);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -32,12 +31,10 @@ struct RangeBearingOptions {
   Loss loss = Loss::squares;
   double loss_scale = 3.0;
   double step_tolerance_m = 1e-10;
-  // Where the one descent begins, for whoever knows the place already; otherwise all that may end lowest.
-  std::optional<Eigen::Vector3d> start_m = {};
   int max_iterations = 100;  // of each descent
 };
 
-// What is wrong with these options, as a sentence; empty when nothing is.
+// A sentence that says which option is out of its range; empty when none is.
 std::string contradiction_in(const RangeBearingOptions& options);
 
 // The most likely place of a joint whose distance from each sensor and whose direction are both known, each

@@ -18,7 +18,7 @@ constexpr std::size_t kMinRayClusters = 5;
 constexpr double kUselessFactor = 100.0;  // between the ends of an interval of the ratio
 constexpr double kMinSigma_m = 1e-4;
 
-// Of tracked joints along the rays and across them, of inferred ones both together.
+// Components of variance: tracked joints along and across the rays, inferred ones in both together.
 enum Component { along_rays, across_rays, inferred_joints };
 
 // Sums over sensors: squared residuals in sigmas, and their degrees of freedom.
@@ -38,7 +38,7 @@ double bearing_variance(const RaySigma& sigma, bool inferred) {
   return std::pow((inferred ? sigma.inferred_factor : 1.0) * sigma.bearing_m, 2);
 }
 
-// Of a row that is placed. Its place, which is unknown, takes 3 degrees of freedom in all.
+// Adds the disagreement of one placed row. Its unknown place takes 3 degrees of freedom in all.
 void add_disagreement(const RayViews& row, std::span<const RigidTransform> rig, const RaySigma& sigma,
                       Disagreement& sum) {
   const double trace = row.covariance.trace();

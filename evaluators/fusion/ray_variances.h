@@ -18,8 +18,8 @@ struct RayView {
   std::size_t sensor = 0;
   bool inferred = false;
   Eigen::Vector3d point_m;
-  // As far along the ray to the joint's place as the point is from its sensor, and as far across as it is:
-  // what the point would be if rays were parallel.
+  // The point as it would be if rays were parallel: as far along the ray to the joint's place as the point is
+  // from its sensor, and as far across.
   Eigen::Vector3d linearised_point_m;
   Eigen::Matrix3d weight;  // its inverse covariance in 1/m^2
 };
@@ -74,8 +74,8 @@ struct RaySigmaEstimate {
 // sensors of the rig; `cluster`: of each instant, such as its block of time. Instants seen by fewer than two
 // sensors say nothing and are left out. Inferred joints have one factor on both sigmas, which is estimated
 // with them where there are 100 views or more; otherwise they are left out, and the factor is the usual one.
-// What all sensors have in common (a bias of the body model, say) makes no disagreement: it is not in the
-// sigmas, and nothing can tell it without truth. Constant offsets between sensors are in them.
+// Errors that all sensors share (a bias of the body model, say) make no disagreement: the sigmas leave them
+// out, and nothing can tell them without truth. Constant offsets between sensors are in the sigmas.
 [[nodiscard]] RaySigmaEstimate estimate_ray_sigma(std::span<const JointObservation> observations,
                                                   std::span<const RigidTransform> world_from_sensor,
                                                   std::span<const std::uint32_t> cluster);

@@ -140,8 +140,8 @@ std::pair<double, double> mean_interval(const std::vector<double>& sums, const s
 
 namespace {
 
-// What is not exceeded with this probability. GSL's own inverse fails for large a and b, so the distribution
-// itself is inverted: halving ends at two neighbouring numbers.
+// The quantile of the beta distribution at probability `p`. GSL's own inverse fails for large a and b, so the
+// distribution itself is inverted: halving ends at two neighbouring numbers.
 double beta_quantile(double p, double a, double b) {
   double low = 0.0, high = 1.0;
   for (double middle = 0.5; middle > low && middle < high; middle = 0.5 * (low + high))

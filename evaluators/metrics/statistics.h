@@ -28,7 +28,7 @@ double student_two_sided(double t, std::size_t degrees);
 // 37 standard deviations the probability underflows, and the limit is the square of `sigmas`.
 double chi_square_limit(double sigmas, double dimensions);
 
-// The quantile of the gamma distribution: what is not exceeded with probability `p`. Shape and scale must be
+// The quantile of the gamma distribution at probability `p`. Shape and scale must be
 // finite and greater than 0, `p` between 0 and 1: InternalError otherwise. GSL's own inverse fails for a
 // fifth of the shapes beyond 2000, so the distribution itself is inverted.
 double gamma_quantile(double p, double shape, double scale);
@@ -89,12 +89,13 @@ struct ShareEstimate {
   double chance_of_fewer(double share) const;
 };
 
-// Of independent trials; each is a cluster.
+// The share of successes in independent trials, each of which is a cluster.
 ShareEstimate estimate_share(double successes, double trials);
 
-// Of samples that hang together within clusters: of as many independent trials as give the standard error
-// between clusters (Korn and Graubard, Survey Methodology 24, 1998). Where all clusters have the same share,
-// nothing is known of that error, and each counts as one trial. NaN bounds for fewer than two clusters.
+// The share in samples that are correlated within clusters, by cluster: that of as many independent trials as
+// give the standard error between clusters (Korn and Graubard, Survey Methodology 24, 1998). Where all
+// clusters have the same share, nothing is known of that error, and each counts as one trial. NaN bounds for
+// fewer than two clusters.
 ShareEstimate estimate_share(const std::vector<double>& successes, const std::vector<double>& samples);
 
 // The quantiles of `values`, in the order asked for, which rises from 0 to 1. Quantile q of n values in order

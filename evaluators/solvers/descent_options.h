@@ -24,7 +24,7 @@ enum class StopRule : std::uint8_t {
   step,       // |x_k - x_{k-1}| < step_tolerance
 };
 
-// What the step inverts.
+// The matrix that the step inverts.
 enum class Curvature : std::uint8_t {
   gauss_newton,  // J^T J (eq. 14, which the paper calls Newton iteration: erratum E10)
   // Half the Hessian of F, J^T J + sum (1 - r/d) (I - u u^T), once Gauss-Newton predicts F well.
@@ -44,7 +44,7 @@ struct DescentOptions {
   double printed_unit_m = 0.01;
 };
 
-// What is wrong with these options together, as a sentence; empty when nothing is.
+// A sentence that says how these options contradict each other; empty when they do not.
 std::string contradiction_in(const DescentOptions& options);
 
 }  // namespace trilat

@@ -18,7 +18,7 @@ struct GeometricOptions {
 //   h^2 < -1e-10 r^2   the spheres do not meet: the nearest point of the plane, clamped
 //   h^2 <= 1e-10 r^2   the joint is in the plane and h is rounding: rank_deficient
 // and rank_deficient too when the three are within 1e-6 of their distance of one line. Cost, gdop and
-// covariance are those of the three. Weights are not used for the position.
+// covariance are those of the three.
 [[nodiscard]] PointEstimate solve_geometric(const RangeProblem& problem, const GeometricOptions& options);
 
 }  // namespace trilat

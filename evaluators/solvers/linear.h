@@ -35,7 +35,7 @@ struct LinearOptions {
 };
 
 // Linear least squares on differences of spheres, 2 (s_i - s_j).x = r_j^2 - r_i^2 + |s_i|^2 -
-// |s_j|^2. Needs four sensors that are not in one plane. Weights are not used. The answer depends on the
+// |s_j|^2. Needs four sensors that are not in one plane. The answer depends on the
 // reference whenever the ranges do not agree. When the sensors are nearly in one plane, choose_mirror()
 // decides between the answer and its mirror image. Ends with closed_form, mirror_ambiguous or rank_deficient.
 [[nodiscard]] PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options);

@@ -28,7 +28,8 @@ Vector3d start_of(const RangeProblem& problem, const SensorPlane& plane, const N
   return is_safe ? wanted_m : plausible_start(problem, plane, wanted_m);
 }
 
-// Without damping: the one descent, or where the sensors are exactly in one plane its mirror image.
+// The estimate without damping: the one descent, or where the sensors are exactly in one plane its mirror
+// image.
 PointEstimate undamped_estimate(const RangeProblem& problem, const SensorPlane& plane, const Descent& descent,
                                 double range_sigma_m) {
   if (!plane.exact) return estimate_of(problem, descent);
@@ -84,7 +85,7 @@ void solve_undamped(std::span<const RangeProblem> problems, const NonlinearOptio
   }
 }
 
-// Of a problem that refusal_of() does not refuse; `plane` is its own.
+// Solves a problem that refusal_of() does not refuse; `plane` is its own.
 PointEstimate solve(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
   const SolveStatus refusal = refusal_of(plane, options);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);

@@ -113,7 +113,7 @@ HWY_INLINE LaneAdjugate AdjugateOf(const LaneEquations& e) {
   return a;
 }
 
-// As is_rank_deficient().
+// Lanes whose directions span space, by the inequality of is_rank_deficient().
 HWY_INLINE M SpanSpace(const LaneEquations& e, const LaneAdjugate& a) {
   const V ratio = hn::Set(D(), kRankRatio), trace = e.xx + e.yy + e.zz, pairs = a.xx + a.yy + a.zz;
   return hn::And(pairs > ratio * trace * trace, a.determinant > ratio * trace * pairs);

@@ -37,12 +37,12 @@ bool same_sensors(const RangeProblem& a, const RangeProblem& b);
 // An order of problems by their sensors, in which those with the same follow each other.
 bool sensors_before(const RangeProblem& a, const RangeProblem& b);
 
-// Standard deviation of a range whose weight is 1, where nothing better is known: joints of a Kinect v2 are 5
+// Standard deviation of a range where nothing better is known: joints of a Kinect v2 are 5
 // to 10 cm off in all (Wang et al. 2015, arXiv 1512.04134), which is 3 to 6 cm along a ray.
 inline constexpr double kUsualRangeSigma_m = 0.05;
 
-// Whether ranges tell two solutions apart whose costs, sum w (|x - s| - r)^2, differ by this much: one has to
-// be 100 times as likely as the other, for normal errors of standard deviation range_sigma_m / sqrt(w).
+// Whether ranges tell two solutions apart whose costs, sum (|x - s| - r)^2, differ by this much: one has to
+// be 100 times as likely as the other, for normal errors of standard deviation range_sigma_m.
 inline bool ranges_decide(double cost_difference_m2, double range_sigma_m) {
   constexpr double kTwiceLogOdds = 9.210340371976184;  // 2 ln 100
   return cost_difference_m2 > kTwiceLogOdds * range_sigma_m * range_sigma_m;
