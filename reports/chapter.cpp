@@ -32,7 +32,7 @@ void put_the_paper_first(std::vector<Table>& tables, bool simulated) {
 
 // Adds the trajectory figures and the replays, which are drawn from the samples of single takes.
 void add_takes(Chapter& chapter) {
-  const ResultsSummary summary = read_summary(chapter.results);
+  const ResultsSummary summary = read_results<ResultsSummary>(chapter.results);
   auto first =
       std::ranges::count_if(chapter.figures, [](const DrawnFigure& drawn) { return drawn.figure.is_first; });
   for (Figure& figure : trajectory_figures(chapter.results, summary)) {

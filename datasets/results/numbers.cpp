@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/results/numbers.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -25,12 +26,45 @@ constexpr std::array kNumberColumns{"condition", "group",     "method", "against
                                     "low",       "high",      "n",      "clusters", "p"};
 constexpr std::size_t kUnit = kKeyParts.size(), kValue = kUnit + 1, kN = kValue + 3;
 
-constexpr std::array<std::pair<const char*, const char*>, 6> kUnitOfMeasure{{{"answered", "1"},
-                                                                             {"status", "1"},
-                                                                             {"within", "1"},
-                                                                             {"iterations", "steps"},
-                                                                             {"jerk", "m/s3"},
-                                                                             {"angle", "rad"}}};
+struct Measure {
+  const char *name, *unit;
+  Better better = Better::smaller;
+};
+constexpr Measure kMeasure{"", "m"};  // of every other name
+constexpr std::array<Measure, 14> kMeasures{{{"answered", "1", Better::larger},
+                                             {"within", "1", Better::larger},
+                                             {"status", "1", Better::neither},
+                                             {"queue", "1"},
+                                             {"iterations", "steps", Better::neither},
+                                             {"jerk", "m/s3"},
+                                             {"angle", "rad"},
+                                             {"rotation", "rad"},
+                                             {"tilt", "rad", Better::neither},
+                                             {"wall", "m", Better::neither},
+                                             {"clock_error", "s"},
+                                             {"clock_fit", "s"},
+                                             {"latency", "s"},
+                                             {"start", "m"}}};
+// Statistics that are better otherwise than their measure.
+constexpr std::array<std::pair<const char*, Better>, 13> kStatistics{
+    {{"share_below_2ms", Better::larger},
+     {"share_below_4ms", Better::larger},
+     {"share_of_units_below_4ms", Better::larger},
+     {"share_within_bound", Better::larger},
+     {"share_in_time", Better::larger},
+     {"taken", Better::larger},
+     {"noise", Better::smaller},
+     {"came", Better::neither},
+     {"share_used", Better::neither},
+     {"bias", Better::neither},
+     {"lower_limit", Better::neither},
+     {"upper_limit", Better::neither},
+     {"mean_of_truth", Better::neither}}};
+
+const Measure& measure_of(const NumberKey& key) {
+  const auto found = std::ranges::find_if(kMeasures, [&](const Measure& m) { return key.measure == m.name; });
+  return found == kMeasures.end() ? kMeasure : *found;
+}
 
 // One row of the file, whose cells are read with their place.
 class Row {
@@ -106,6 +140,10 @@ void Numbers::add(Number number) {
   numbers_.push_back(std::move(number));
 }
 
+void Numbers::add(const Numbers& more) {
+  for (const Number& number : more.all()) add(number);
+}
+
 const Number* Numbers::find(const NumberKey& key) const {
   const auto found = places_.find(key);
   return found == places_.end() ? nullptr : &numbers_[found->second];
@@ -122,10 +160,14 @@ std::uint64_t Numbers::n(const NumberKey& key) const {
 }
 
 std::string unit_of(const NumberKey& key) {
-  if (key.statistic == "relative_difference" || key.statistic == "share") return "1";
-  for (const auto& [measure, unit] : kUnitOfMeasure)
-    if (key.measure == measure) return unit;
-  return "m";
+  if (key.statistic == "relative_difference" || key.statistic.starts_with("share")) return "1";
+  return measure_of(key).unit;
+}
+
+Better better_of(const NumberKey& key) {
+  for (const auto& [statistic, better] : kStatistics)
+    if (key.statistic == statistic) return better;
+  return measure_of(key).better;
 }
 
 void write_numbers(const std::filesystem::path& folder, const Numbers& numbers) {
@@ -155,8 +197,7 @@ Numbers read_numbers(const std::filesystem::path& folder, std::size_t expected) 
                         numbers.add(std::move(number));
                       });
   if (numbers.all().size() != expected)
-    throw InputError(file, fmt::format("has {} of the {} numbers that summary.json states; make the results "
-                                       "again",
+    throw InputError(file, fmt::format("has {} numbers, and {} were written; make the results again",
                                        numbers.all().size(), expected));
   return numbers;
 }

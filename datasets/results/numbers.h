@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -37,11 +38,15 @@ struct Number : NumberKey {
   double p = kNoNumber;        // p value of a difference from zero, two-sided
 };
 
+// The measures along the world's axes.
+inline constexpr std::array kAxisNames{"x", "y", "z"};
+
 // All numbers of a study, each key once.
 class Numbers {
  public:
   // Numbers that are NaN are left out. A key that is there already is our bug.
   void add(Number number);
+  void add(const Numbers& more);
   // The number of that key, or null.
   const Number* find(const NumberKey& key) const;
   double value(const NumberKey& key) const;
@@ -56,8 +61,12 @@ class Numbers {
   std::unordered_map<NumberKey, std::size_t, Hash> places_;
 };
 
-// "m", "rad", "m/s3", "steps", or "1" for shares.
+// "m", "rad", "s", "m/s3", "steps", or "1" for shares.
 std::string unit_of(const NumberKey& key);
+
+// Which way a number is worse.
+enum class Better : std::uint8_t { smaller, larger, neither };
+Better better_of(const NumberKey& key);
 
 // numbers.csv (RFC 4180): condition, group, method, against, alignment, measure, statistic, take, unit,
 // value, low, high, n, clusters, p. NaN is an empty cell; numbers are written so that they are read back

@@ -17,7 +17,7 @@ const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibratio
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 11;
-  return kind == StudyKind::calibration ? 3 : 2;
+  return kind == StudyKind::calibration ? 4 : 3;
 }
 
 // Of a place where no results are.

@@ -10,6 +10,7 @@
 #include "datasets/base/described.h"
 #include "datasets/base/files.h"
 #include "datasets/base/strict_json.h"
+#include "datasets/results/numbers.h"
 
 namespace trilat {
 
@@ -47,14 +48,17 @@ void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& stu
 // Refuses other formats and versions of a file that stands beside the summary.
 void check_format(JsonObject& object, const std::string& format, int version);
 
-// summary.json of a study, whose kind the struct states: `static constexpr StudyKind kKind`.
+// summary.json and numbers.csv of a study. The struct states its kind, `static constexpr StudyKind kKind`,
+// and has its `numbers` and how many there are, `rows`.
 template <Described T>
-void write_results(const std::filesystem::path& folder, const T& summary, int indent = 1) {
+void write_results(const std::filesystem::path& folder, T summary) {
+  summary.rows = summary.numbers.all().size();
+  write_numbers(folder, summary.numbers);
   Json json = results_head(T::kKind);
   json.update(json_of(summary));
-  write_file(folder / "summary.json", json_text(json, indent) + "\n");
+  write_file(folder / "summary.json", json_text(json, 1) + "\n");
 }
-// InputError with file and pointer when it is not there, or not one of that kind.
+// InputError with the place when a file is not there, damaged, or not of that kind and version.
 template <Described T>
 T read_results(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
@@ -62,6 +66,7 @@ T read_results(const std::filesystem::path& folder) {
   check_results_head(object, T::kKind);
   T summary;
   read_fields(object, summary);
+  summary.numbers = read_numbers(folder, summary.rows);
   return summary;
 }
 

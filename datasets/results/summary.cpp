@@ -32,18 +32,6 @@ void ResultsSummary::check(const JsonObject& object) const {
   if (alignments.empty()) object.refuse("alignments", "must name at least one alignment");
 }
 
-void write_summary(const std::filesystem::path& folder, ResultsSummary summary) {
-  summary.rows = summary.numbers.all().size();
-  write_numbers(folder, summary.numbers);
-  write_results(folder, summary);
-}
-
-ResultsSummary read_summary(const std::filesystem::path& folder) {
-  auto summary = read_results<ResultsSummary>(folder);
-  summary.numbers = read_numbers(folder, summary.rows);
-  return summary;
-}
-
 const Number* find_error(const ResultsSummary& summary, const std::string& method,
                          const std::string& condition, const std::string& group,
                          const std::string& alignment) {

@@ -19,13 +19,6 @@
 
 namespace trilat {
 
-struct Estimate {  // with its 95 % interval; NaN where there is none
-  double value = kNoNumber, low = kNoNumber, high = kNoNumber;
-
-  static constexpr bool as_list = true;
-  TRILAT_FIELDS(value, low, high)
-};
-
 // The plain mean of the groups of a condition, as the paper's last row; counts are sums.
 inline constexpr const char* kAverageGroup = "average";
 
@@ -140,11 +133,6 @@ struct ResultsSummary {
                 alignments, notes, truth, cross_checks, claims, rows)
   void check(const JsonObject& object) const;
 };
-
-// summary.json (kind accuracy) and numbers.csv.
-void write_summary(const std::filesystem::path& folder, ResultsSummary summary);
-// InputError with the place where one of both is not there, of another version or kind, or damaged.
-ResultsSummary read_summary(const std::filesystem::path& folder);
 
 // Mean distance from the truth, with its interval; none where nothing is answered.
 const Number* find_error(const ResultsSummary& summary, const std::string& method,

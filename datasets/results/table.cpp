@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -50,18 +51,34 @@ std::vector<TableValue> row_by_key(const Table& table,
   return row;
 }
 
-std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked) {
-  std::vector<std::pair<std::string, std::uint64_t>> sorted(statuses.begin(), statuses.end());
-  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
+std::string statuses_text(const Numbers& numbers, const NumberKey& row, std::span<const std::string> names) {
+  std::vector<std::pair<std::uint64_t, std::string>> found;
+  for (const std::string& name : names)
+    if (const std::uint64_t n = numbers.n(row.with({.measure = "status", .statistic = name})); n > 0)
+      found.emplace_back(n, name);
+  std::ranges::stable_sort(found, std::greater{}, [](const auto& one) { return one.first; });
+  const std::uint64_t asked = numbers.n(row.with({.measure = "answered", .statistic = "share"}));
   std::string text;
-  for (const auto& [name, n] : sorted) {
-    const double share = 100.0 * static_cast<double>(n) / static_cast<double>(asked);
-    const std::string number = share < 0.05                 ? "<0.1"
-                               : share > 99.95 && n < asked ? ">99.9"
-                                                            : fmt::format("{:.1f}", share);
+  for (const auto& [n, name] : found) {
+    const double percent = 100.0 * share_of(n, asked);
+    const std::string number = percent < 0.05                 ? "<0.1"
+                               : percent > 99.95 && n < asked ? ">99.9"
+                                                              : fmt::format("{:.1f}", percent);
     text += (text.empty() ? "" : ", ") + name + " " + number + " %";
   }
   return text;
+}
+
+TableValue shown_number(const Numbers& numbers, const NumberKey& key, int decimals) {
+  const Number* number = numbers.find(key);
+  const std::string unit = unit_of(key);
+  const double factor = unit == "m"     ? kCentimetresPerMetre
+                        : unit == "1"   ? 100.0
+                        : unit == "s"   ? 1e3
+                        : unit == "rad" ? kDegreesPerRad
+                                        : 1.0;
+  if (!number) return number_cell(decimals, kNoNumber);
+  return number_cell(decimals, factor * number->value, factor * number->low, factor * number->high);
 }
 
 void Table::check(const JsonObject& object) const {

@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -127,9 +128,6 @@ std::string csv_of(const Table& table);
 void add_notes(Table& table, const std::string& section,
                const std::map<std::string, std::string>& names = {});
 
-// "converged 98.1 %, diverged 1.9 %", the most first.
-std::string statuses_text(const std::map<std::string, std::uint64_t>& statuses, std::uint64_t asked);
-
 // Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
 inline TableValue number_cell(int decimals, double value, double low = kNoNumber, double high = kNoNumber) {
   if (std::isnan(value)) low = high = value;
@@ -171,12 +169,6 @@ auto as_number(int decimals, double factor, Of... of) {
                 },
                 false, sizeof...(of) == 3};
 }
-template <class Row>
-auto as_number(int decimals, double factor, Estimate Row::*e) {
-  return as_number(
-      decimals, factor, [=](const Row& row) { return (row.*e).value; },
-      [=](const Row& row) { return (row.*e).low; }, [=](const Row& row) { return (row.*e).high; });
-}
 auto as_number(int decimals, auto... of) { return as_number(decimals, 1.0, of...); }
 auto as_count(auto of) { return as_number(0, of); }
 auto in_cm(auto... of) { return as_number(2, kCentimetresPerMetre, of...); }
@@ -189,6 +181,32 @@ auto of(Part part, CellOf<Show> cell) {
   return CellOf{[=](const auto& row) { return cell.show(std::invoke(part, row)); }, cell.is_text,
                 cell.has_interval};
 }
+
+// Columns of a table whose rows are the keys that their numbers share: a cell shows the number that has the
+// row's keys and these, in the unit that tables print: cm, degrees, %, ms, m/s3 or steps.
+TableValue shown_number(const Numbers& numbers, const NumberKey& key,
+                        int decimals);  // NaN where there is none
+inline auto interval_of(const Numbers& numbers, NumberKey more, int decimals = 2) {
+  return CellOf{[&numbers, more = std::move(more), decimals](const NumberKey& row) {
+                  return shown_number(numbers, row.with(more), decimals);
+                },
+                false, true};
+}
+inline auto value_of(const Numbers& numbers, NumberKey more, int decimals = 2) {
+  return CellOf{[&numbers, more = std::move(more), decimals](const NumberKey& row) {
+                  return TableValue::of(*shown_number(numbers, row.with(more), decimals).number, decimals);
+                },
+                false, false};
+}
+inline auto count_of(const Numbers& numbers, NumberKey more) {
+  return CellOf{[&numbers, more = std::move(more)](const NumberKey& row) {
+                  return count_cell(numbers.n(row.with(more)));
+                },
+                false, false};
+}
+// "converged 98.1 %, diverged 1.9 %", the most first: how often what the row asks for ended so, by the
+// numbers of measure "status" of which `names` are the statistics.
+std::string statuses_text(const Numbers& numbers, const NumberKey& row, std::span<const std::string> names);
 
 // One column of a table whose rows are values of one kind.
 template <class Row>

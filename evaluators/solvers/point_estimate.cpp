@@ -13,6 +13,11 @@ constexpr std::array<std::string_view, kSolveStatusCount> kNames{
 
 }  // namespace
 
+const std::vector<std::string>& solve_status_names() {
+  static const std::vector<std::string> names(kNames.begin(), kNames.end());
+  return names;
+}
+
 std::string_view name_of(SolveStatus status) { return kNames.at(static_cast<std::size_t>(status)); }
 
 }  // namespace trilat

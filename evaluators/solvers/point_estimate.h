@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -28,7 +30,8 @@ enum class SolveStatus : std::uint8_t {
 };
 inline constexpr int kSolveStatusCount = 13;
 
-std::string_view name_of(SolveStatus status);  // "not_solved", …
+std::string_view name_of(SolveStatus status);          // "not_solved", …
+const std::vector<std::string>& solve_status_names();  // by number
 
 // Whether the position may be used as an answer: converged, closed_form, clamped or given.
 constexpr bool is_usable(SolveStatus status) {

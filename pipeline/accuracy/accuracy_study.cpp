@@ -236,7 +236,7 @@ void write_study(const Plan& plan, const ErrorSettings& errors, const std::vecto
   add_numbers(study, summary);
   summary.claims = claims_of(study);
   write_shown(plan, summary, outcome.tracking, folder);
-  write_summary(folder, summary);
+  write_results(folder, summary);
   watch.tell(1.0);
 }
 
@@ -361,7 +361,7 @@ ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, co
       if (stage == "summary") options.progress(kTakesShare + (1.0 - kTakesShare) * share);
     };
   on_threads(options.threads, [&](int) { run_accuracy({spec, campaign, options.cross_check}, output, run); });
-  return read_summary(output);
+  return read_results<ResultsSummary>(output);
 }
 
 double cost_of(const PlannedTake& take) { return static_cast<double>(take.instants) + 1.0; }

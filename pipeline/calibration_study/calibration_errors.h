@@ -31,6 +31,6 @@ WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibra
 
 // What each sensor sees of a flat wall, against a plane that is fitted to the mean of its frames. InputError
 // where less than four fifths of what a sensor sees lies within 3 cm of one plane.
-WallRecording measure_wall(const FlatWall& wall, const std::string& name, const Watch& watch);
+WallRecording measure_wall(const FlatWall& wall, const Watch& watch);
 
 }  // namespace trilat

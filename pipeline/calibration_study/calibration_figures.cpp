@@ -35,12 +35,12 @@ FigureSeries wand_curve(const WandRecording& recording, std::size_t method, doub
 }
 
 // Each main method in the first recording in which it found anything.
-Figure wand_figure(const CalibrationSummary& s) {
+Figure wand_figure(bool simulated, const std::vector<WandRecording>& wands) {
   constexpr std::array kAngles_deg{0.0, 9.0, 18.0, 26.0, 40.0};  // edges; the paper recommends below 26
   Figure figure;
   figure.id = "distance-and-angle";
   figure.title =
-      fmt::format("Error of the ball's distance, by distance and angle ({})", source_text(s.simulated));
+      fmt::format("Error of the ball's distance, by distance and angle ({})", source_text(simulated));
   figure.caption = fmt::format(
       "{}: error of the distance from the sensor to one place of the ball, every sensor's constant depth "
       "offset "
@@ -48,14 +48,14 @@ Figure wand_figure(const CalibrationSummary& s) {
       "axis. The "
       "paper claims {:g} +- {:g} cm from {:g} to {:g} m (shaded) below {:g} degrees, and more error outside. "
       "{}",
-      s.simulated ? "Simulated" : "Recorded", kDistanceBin_m, paper_calibration().recommended_mean_cm,
+      simulated ? "Simulated" : "Recorded", kDistanceBin_m, paper_calibration().recommended_mean_cm,
       paper_calibration().recommended_spread_cm, paper_calibration().recommended_m[0],
       paper_calibration().recommended_m[1], paper_calibration().recommended_below_deg, kMissing);
   figure.x_label = "distance from the sensor (m)";
   figure.y_label = "error of the distance (cm)";
   figure.log_y = true;
   for (const char* method : kMainWandMethods)
-    for (const WandRecording& recording : s.wands) {
+    for (const WandRecording& recording : wands) {
       const std::size_t number = wand_method(method);
       if (std::ranges::none_of(recording.samples, [&](const WandSample& sample) {
             return sample.method == number && std::isfinite(sample.distance_error_m);
@@ -86,28 +86,28 @@ FigureSeries column_series(const WallRow& row, const std::vector<double>& error_
 }
 
 // Columns of the recording whose wall is nearest to the paper's distance.
-Figure wall_figure(const CalibrationSummary& s) {
+Figure wall_figure(bool simulated, const std::vector<WallRow>& walls) {
   const WallRow& nearest = *std::ranges::min_element(
-      s.walls, {}, [](const WallRow& row) { return std::abs(row.distance_m - paper_calibration().wall_m); });
+      walls, {}, [](const WallRow& row) { return std::abs(row.distance_m - paper_calibration().wall_m); });
   Figure figure;
   figure.id = "distortion";
-  figure.title = fmt::format("A flat wall, middle row of the depth image ({})", source_text(s.simulated));
+  figure.title = fmt::format("A flat wall, middle row of the depth image ({})", source_text(simulated));
   figure.caption = fmt::format(
       "{}: mean absolute error of each column of the middle row over {} frames, one line a sensor ({}, "
       "{:.1f} m): of "
       "the depth from a fitted plane, and sideways by eq. 4. The paper claims \"{}\" errors in the shaded "
       "columns "
       "(its last column, {:g}, lies beyond the image). {}",
-      s.simulated ? "Simulated" : "Recorded", nearest.frames, nearest.recording, nearest.distance_m,
+      simulated ? "Simulated" : "Recorded", nearest.frames, nearest.recording, nearest.distance_m,
       paper_calibration().worse,
       paper_calibration().worse_columns.empty() ? 0.0 : paper_calibration().worse_columns.back()[1],
       kMissing);
   figure.x_label = "column (pixels)";
   figure.y_label = "mean absolute error (mm)";
-  for (const WallRow& row : s.walls)
+  for (const WallRow& row : walls)
     if (row.recording == nearest.recording)
       figure.series.push_back(column_series(row, row.residual_m, "depth from the plane"));
-  for (const WallRow& row : s.walls)
+  for (const WallRow& row : walls)
     if (row.recording == nearest.recording)
       figure.series.push_back(column_series(row, row.printed_error_m, "sideways by eq. 4 as printed (E2)"));
   const auto last = static_cast<double>(nearest.residual_m.empty() ? 0 : nearest.residual_m.size() - 1);
@@ -118,10 +118,10 @@ Figure wall_figure(const CalibrationSummary& s) {
 
 }  // namespace
 
-std::vector<Figure> calibration_figures(const CalibrationSummary& s) {
+std::vector<Figure> calibration_figures(bool simulated, const CalibrationRecordings& recordings) {
   std::vector<Figure> figures;
-  if (!s.wands.empty()) figures.push_back(wand_figure(s));
-  if (!s.walls.empty()) figures.push_back(wall_figure(s));
+  if (!recordings.wands.empty()) figures.push_back(wand_figure(simulated, recordings.wands));
+  if (!recordings.walls.empty()) figures.push_back(wall_figure(simulated, recordings.walls));
   if (!figures.empty()) figures.front().is_first = true;
   return figures;
 }

@@ -2,7 +2,9 @@
 #include "pipeline/calibration_study/calibration_study.h"
 
 #include <algorithm>
+#include <map>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -49,12 +51,10 @@ Recording wand_recording(const CalibrationSpec& spec, const CampaignWand& wand, 
   for (const Take& take : campaign.takes)
     if (calibration.empty()) calibration = take.calibration;
   if (!calibration.empty()) recording.files.push_back({recording.name, "calibration", calibration});
-  recording.measure = [=, name = recording.name](const Watch& watch) {
+  recording.measure = [=](const Watch& watch) {
     std::optional<Calibration> stated;
     if (!calibration.empty()) stated = read_calibration(calibration);
-    WandRecording made = measure_wand(wand, stated, spec.frames, watch);
-    made.name = name;
-    return json_of(made);
+    return json_of(measure_wand(wand, stated, spec.frames, watch));
   };
   return recording;
 }
@@ -64,10 +64,8 @@ Recording stated_recording(const CalibrationSpec& spec, const StatedDistances& s
       "distances/" + std::to_string(number + 1), name_of_recording(stated.session), {}, {}, {}};
   recording.stated = {{"ball_radius_m", stated.ball_radius_m}};
   recording.files = {{recording.name, "session", stated.session}, {recording.name, "places", stated.places}};
-  recording.measure = [=, name = recording.name](const Watch& watch) {
-    WandRecording made = measure_stated_distances(stated, spec.frames, watch);
-    made.name = name;
-    return json_of(made);
+  recording.measure = [=](const Watch& watch) {
+    return json_of(measure_stated_distances(stated, spec.frames, watch));
   };
   return recording;
 }
@@ -76,9 +74,7 @@ Recording wall_recording(const FlatWall& wall, std::size_t number) {
   Recording recording{"walls/" + std::to_string(number + 1), name_of_recording(wall.session), {}, {}, {}};
   if (wall.distance_m) recording.stated = {{"distance_m", *wall.distance_m}};
   recording.files = {{recording.name, "session", wall.session}};
-  recording.measure = [=, name = recording.name](const Watch& watch) {
-    return json_of(measure_wall(wall, name, watch));
-  };
+  recording.measure = [=](const Watch& watch) { return json_of(measure_wall(wall, watch)); };
   return recording;
 }
 
@@ -94,34 +90,52 @@ std::vector<Recording> recordings_of(const CalibrationSpec& spec, const Campaign
         "campaign \"" + campaign.name + '"',
         "has no recording to calibrate by: name a wand (\"wand\": {\"session\": …}), a ball at measured "
         "distances (\"stated_distances\") or a flat wall (\"walls\") in its campaign.json");
+  std::map<std::string, int> named;  // recordings of one name in several folders
+  for (Recording& recording : recordings)
+    if (const int times = ++named[recording.name]; times > 1)
+      recording.name = fmt::format("{} ({})", recording.name, times);
   return recordings;
 }
 
-CalibrationSummary summarise(const CalibrationSpec& spec, const Campaign& campaign,
-                             const std::vector<Recording>& recordings, const ResultsRun& run) {
-  CalibrationSummary summary;
-  summary.study = spec.name;
-  summary.paper = name_of(spec.paper);
-  summary.campaign = campaign.name;
-  summary.simulated = campaign.simulated;
+// What the items gave; those that failed are named in `summary`.
+CalibrationRecordings gather(const std::vector<Recording>& recordings, const ResultsRun& run,
+                             CalibrationSummary& summary) {
+  CalibrationRecordings made;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const Recording& recording = recordings[r];
     const Outcome& outcome = run.outcome(r);
     const JsonObject object(outcome.json, outcome.place(), "");
     if (outcome.failed) {
       summary.failed.push_back(recording.name + ": " + outcome.json.at("problem").get<std::string>());
-    } else if (recording.id.starts_with("walls/")) {
+      continue;
+    }
+    summary.recordings.push_back(recording.name);
+    if (recording.id.starts_with("walls/")) {
       WallRecording wall = read_as<WallRecording>(object);
       summary.simulated |= wall.simulated;
-      for (WallRow& row : wall.rows) summary.walls.push_back(std::move(row));
+      for (WallRow& row : wall.rows) made.walls.emplace_back(std::move(row)).recording = recording.name;
     } else {
-      summary.simulated |= summary.wands.emplace_back(read_as<WandRecording>(object)).simulated;
+      WandRecording& wand = made.wands.emplace_back(read_as<WandRecording>(object));
+      wand.name = recording.name;
+      summary.simulated |= wand.simulated;
     }
   }
-  if (summary.wands.empty() && summary.walls.empty())
+  return made;
+}
+
+void write_study(const CalibrationSpec& spec, const Campaign& campaign,
+                 const std::vector<Recording>& recordings, const ResultsRun& run, const fs::path& folder) {
+  CalibrationSummary summary{spec.name, campaign.name, name_of(spec.paper), campaign.simulated, {}, {}};
+  const CalibrationRecordings made = gather(recordings, run, summary);
+  if (summary.recordings.empty())
     throw InputError("campaign \"" + campaign.name + '"', summary.failed.front());
-  summary.claims = claims_of(summary);
-  return summary;
+  summary.numbers = calibration_numbers(made);
+  summary.claims = claims_of(summary.paper, made);
+  const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
+  if (!simulator.empty()) write_declared_parameters(folder, simulator);
+  store_tables(folder, calibration_tables(summary, made));
+  write_beside(folder, StoredFigures{calibration_figures(summary.simulated, made)});
+  write_results(folder, summary);
 }
 
 Computed measure(const Recording& recording, const WatchedFiles& files, const Watch& watch) {
@@ -145,14 +159,6 @@ double cost_of(const Recording& recording) {
   std::error_code error;
   const auto bytes = static_cast<double>(fs::file_size(recording.files.front().file, error));
   return error ? 1.0 : bytes;
-}
-
-void write_study(const CalibrationSummary& summary, const std::vector<DeclaredParameter>& simulator,
-                 const fs::path& folder) {
-  if (!simulator.empty()) write_declared_parameters(folder, simulator);
-  store_tables(folder, calibration_tables(summary));
-  write_beside(folder, StoredFigures{calibration_figures(summary)});
-  write_results(folder, summary, -1);
 }
 
 }  // namespace
@@ -209,10 +215,8 @@ ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign,
     return measure(recordings[r], watched[r], watch);
   });
   if (run.is_whole())
-    run.publish_results(manifest, [&](const fs::path& into) {
-      write_study(summarise(spec, campaign, recordings, run), read_declared_parameters(campaign.folder),
-                  into);
-    });
+    run.publish_results(manifest,
+                        [&](const fs::path& into) { write_study(spec, campaign, recordings, run, into); });
   return run.tally();
 }
 

@@ -85,18 +85,32 @@ struct WallRecording {
   TRILAT_FIELDS(simulated, rows)
 };
 
-// summary.json of a study of kind "calibration".
+// What the recordings of a study gave.
+struct CalibrationRecordings {
+  std::vector<WandRecording> wands;
+  std::vector<WallRow> walls;
+};
+
+// summary.json of a study of kind "calibration". Its numbers are, by recording (the condition),
+// - "ball_distance" and "ball_position" (in three dimensions), by method and kZones or a bin of distance or
+// angle
+//   (the group): mean with its interval over sensors, sd, median, p95 and max of the absolute errors; what is
+//   "answered" there, and by which status;
+// - "pose" and "rotation", by method and sensor: the difference from the campaign's calibration, and the
+//   stated sigma of an axis;
+// - "wall", "tilt", "residual" and "sideways" (eq. 4), by sensor: see calibration_numbers().
 struct CalibrationSummary {
   static constexpr StudyKind kKind = StudyKind::calibration;
   std::string study, campaign;
   std::string paper = name_of(PaperStudy::none);
-  bool simulated = false;  // any recording
-  std::vector<WandRecording> wands;
-  std::vector<WallRow> walls;
-  std::vector<std::string> failed;  // recordings that could not be evaluated, each with the reason
-  std::vector<ClaimNumber> claims;  // of the paper, that the study bears on
+  bool simulated = false;                // any recording
+  std::vector<std::string> recordings;   // that were evaluated
+  std::vector<std::string> failed;       // those that could not be, each with the reason
+  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
+  std::uint64_t rows = 0;
+  Numbers numbers = {};
 
-  TRILAT_FIELDS(study, campaign, paper, simulated, wands, walls, failed, claims)
+  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, failed, claims, rows)
 };
 
 }  // namespace trilat

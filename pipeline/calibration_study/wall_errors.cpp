@@ -153,14 +153,13 @@ WallRow measure_sensor(const SessionReader& session, std::size_t sensor, const W
 
 }  // namespace
 
-WallRecording measure_wall(const FlatWall& wall, const std::string& name, const Watch& watch) {
+WallRecording measure_wall(const FlatWall& wall, const Watch& watch) {
   const SessionReader session(wall.session);
   WallRecording recording;
   recording.simulated = session.header().simulated;
   recording.rows.resize(session.header().sensors.size());
   parallel_for_index(recording.rows.size(), 1, [&](std::size_t s) {
     recording.rows[s] = measure_sensor(session, s, watch);
-    recording.rows[s].recording = name;
     recording.rows[s].stated_m = wall.distance_m.value_or(kNotMeasured);
   });
   constexpr double kMaxOff_m = 0.15;

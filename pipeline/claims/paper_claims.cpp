@@ -12,8 +12,8 @@ namespace {
 
 // In the order of the enums.
 const std::vector<std::string> kMeasures{
-    "difference",   "place",           "abrupt",      "clock_cost",  "largest_wrist_height",
-    "wrist_height", "interpretations", "clock_share", "queue_share", "wand_distance"};
+    "difference",   "place",           "abrupt", "clock_cost",   "largest_wrist_height",
+    "wrist_height", "interpretations", "share",  "wand_distance"};
 const std::vector<std::string> kKinds{"tested", "listed", "contradicts", "untestable"};
 
 std::optional<ClaimBound> read_bound(JsonObject& object) {
@@ -37,7 +37,11 @@ ClaimedNumber read_number(JsonObject& object) {
   number.against = object.text("against", "");
   number.at = {object.text("condition", "walking"), object.text("group", "")};
   number.other = {object.text("other_condition", "walking"), object.text("other_group", "")};
-  number.server = object.text("server", "");
+  if (number.measure == ClaimMeasure::share)
+    number.key = {.condition = object.text("condition", ""),
+                  .method = number.method,
+                  .measure = object.text("of"),
+                  .statistic = object.text("statistic")};
   number.seconds = object.number("seconds", 0.0);
   if (object.has("distance_m"))
     number.zone = {read_pair(object, "distance_m"), read_pair(object, "angle_deg")};
@@ -108,8 +112,7 @@ std::optional<Measurement> measure(const ClaimedNumber& number, const ErrorMeasu
     case ClaimMeasure::wrist_height:
       return errors.wrist_height(number.method);
     case ClaimMeasure::interpretations:
-    case ClaimMeasure::clock_share:
-    case ClaimMeasure::queue_share:
+    case ClaimMeasure::share:
     case ClaimMeasure::wand_distance:
       break;
   }
@@ -122,12 +125,11 @@ std::optional<Measurement> measure(const ClaimedNumber& number, const SweepSumma
 }
 
 std::optional<Measurement> measure(const ClaimedNumber& number, const ClocksSummary& clocks) {
-  if (number.measure == ClaimMeasure::clock_share) return clock_share(clocks, number.method, number.seconds);
-  if (number.measure == ClaimMeasure::queue_share) return queue_share(clocks, number.method, number.server);
-  return std::nullopt;
+  if (number.measure != ClaimMeasure::share) return std::nullopt;
+  return share_of_units(clocks, number.key);
 }
 
-std::optional<Measurement> measure(const ClaimedNumber& number, const CalibrationSummary& calibration) {
+std::optional<Measurement> measure(const ClaimedNumber& number, const CalibrationRecordings& calibration) {
   if (number.measure != ClaimMeasure::wand_distance) return std::nullopt;
   if (number.other_zone) return wand_error(calibration, number.zone, *number.other_zone);
   return wand_error(calibration, number.zone, number.less_m);
@@ -175,8 +177,8 @@ std::vector<ClaimNumber> claims_of(const SweepSummary& summary) { return numbers
 std::vector<ClaimNumber> claims_of(const ClocksSummary& summary) {
   return numbers_of(summary.paper, summary);
 }
-std::vector<ClaimNumber> claims_of(const CalibrationSummary& summary) {
-  return numbers_of(summary.paper, summary);
+std::vector<ClaimNumber> claims_of(const std::string& paper, const CalibrationRecordings& recordings) {
+  return numbers_of(paper, recordings);
 }
 
 }  // namespace trilat

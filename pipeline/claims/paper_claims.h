@@ -22,8 +22,7 @@ enum class ClaimMeasure : std::uint8_t {
   largest_wrist_height,  // of a take (accuracy)
   wrist_height,          // mean error (accuracy)
   interpretations,       // of Table I that are acceptable (threshold sweep)
-  clock_share,           // of clock errors below that time (clocks)
-  queue_share,           // of the frames that the paper's queue takes (clocks)
+  share,                 // over recordings and sensors, by its key in numbers.csv (clocks)
   wand_distance,         // mean error in a zone, or against another zone (calibration)
 };
 
@@ -32,7 +31,7 @@ struct ClaimedNumber {
   ClaimMeasure measure = ClaimMeasure::difference;
   std::string method = {}, against = {};
   ErrorPlace at = {}, other = {};
-  std::string server = {};  // when the paper's queue takes frames out
+  NumberKey key = {};  // of a share
   double seconds = 0.0;
   WandZone zone = {};
   std::optional<WandZone> other_zone = {};
@@ -74,6 +73,6 @@ std::vector<std::string> compared_with(const std::string& paper);
 std::vector<ClaimNumber> claims_of(const StudyErrors& errors);
 std::vector<ClaimNumber> claims_of(const SweepSummary& summary);
 std::vector<ClaimNumber> claims_of(const ClocksSummary& summary);
-std::vector<ClaimNumber> claims_of(const CalibrationSummary& summary);
+std::vector<ClaimNumber> claims_of(const std::string& paper, const CalibrationRecordings& recordings);
 
 }  // namespace trilat

@@ -18,7 +18,7 @@ constexpr const char* kRuns = "recordings of a sensor";
 constexpr const char* kUnits = "sensors";
 
 // The first recording of stated distances: what a laser meter can tell.
-const WandRecording* stated_distances(const CalibrationSummary& s) {
+const WandRecording* stated_distances(const CalibrationRecordings& s) {
   const auto found = std::ranges::find(s.wands, WandTruth::stated, &WandRecording::truth);
   return found == s.wands.end() ? nullptr : &*found;
 }
@@ -51,8 +51,8 @@ bool is_compromise(const SweepSummary& s, std::size_t interpretation) {
     const SweepCell &first = s.cell(interpretation, 0, range),
                     &chosen = s.cell(interpretation, last - 1, range),
                     &smallest = s.cell(interpretation, last, range);
-    if (!(smallest.mean_iterations >= kMoreSteps * chosen.mean_iterations) ||
-        !(first.mae_m >= kLessAccurate * chosen.mae_m))
+    if (!(s.value(smallest, kSweptSteps) >= kMoreSteps * s.value(chosen, kSweptSteps)) ||
+        !(s.value(first, kSweptError) >= kLessAccurate * s.value(chosen, kSweptError)))
       return false;
   }
   return true;
@@ -72,8 +72,8 @@ Interpretation judge(const SweepSummary& s, std::size_t interpretation, const Pr
     for (std::size_t t = 0; t < s.thresholds; ++t) {
       const SweepCell& cell = s.cell(interpretation, t, range);
       const double printed_m = paper.rows[t].error_cm[range] / kCentimetresPerMetre;
-      const bool answers = static_cast<double>(cell.answered) >= kAnswered * static_cast<double>(cell.asked);
-      const std::array<double, 2> error_m{cell.mae_m, cell.axis_mean_mae_m()};
+      const bool answers = s.value(cell, kSweptAnswers) >= kAnswered;
+      const std::array<double, 2> error_m{s.value(cell, kSweptError), axis_mean_m(s, cell)};
       for (const std::size_t k : {0u, 1u})
         near[k] = near[k] && answers && error_m[k] <= kNear * printed_m && error_m[k] >= printed_m / kNear;
     }
@@ -93,7 +93,7 @@ Measurement acceptable_interpretations(const SweepSummary& s) {
   for (std::size_t r = 0; r < s.interpretations(); ++r) {
     const Interpretation interpretation = judge(s, r, paper);
     if (!interpretation.is_near) continue;
-    Count& count = s.cell(r, 0, 0).setting.gradient == "printed" ? printed : corrected;
+    Count& count = s.cell(r, 0, 0).gradient == "printed" ? printed : corrected;
     ++count.near;
     count.compromise += interpretation.is_compromise;
   }
@@ -109,33 +109,20 @@ Measurement acceptable_interpretations(const SweepSummary& s) {
       .over = "interpretations, all of them listed"};
 }
 
-Measurement clock_share(const ClocksSummary& clocks, const std::string& method, double below_s) {
-  for (const ClockErrorRow& row : clocks.clocks) {
-    if (row.method != method) continue;
-    std::vector<double> below, asked;
-    for (const ClockUnit& unit : row.units) {
-      below.push_back(static_cast<double>(below_s == 0.002 ? unit.below_2ms : unit.below_4ms));
-      asked.push_back(static_cast<double>(unit.asked));
-    }
-    return {.what = clocks.campaign, .unit = "%", .number = estimate_share(below, asked), .over = kRuns};
+Measurement share_of_units(const ClocksSummary& clocks, const NumberKey& key) {
+  std::vector<double> part, whole;
+  for (const Number& unit : clocks.numbers.all()) {
+    if (unit.take.empty() || unit.with(key) != unit) continue;
+    part.push_back(std::round(unit.value * static_cast<double>(unit.n)));
+    whole.push_back(static_cast<double>(unit.n));
   }
-  return lacking("a study of clocks with clocks " + method);
+  if (whole.empty())
+    return lacking(
+        fmt::format("a study of clocks with {} of {}, {}", key.statistic, key.measure, key.method));
+  return {.what = clocks.campaign, .unit = "%", .number = estimate_share(part, whole), .over = kRuns};
 }
 
-Measurement queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server) {
-  for (const QueueRow& row : clocks.queues) {
-    if (row.method != method || row.server != server) continue;
-    std::vector<double> taken, came;
-    for (const QueueUnit& unit : row.units) {
-      taken.push_back(static_cast<double>(unit.taken));
-      came.push_back(static_cast<double>(unit.came));
-    }
-    return {.what = clocks.campaign, .unit = "%", .number = estimate_share(taken, came), .over = kRuns};
-  }
-  return lacking("a study of clocks with the queue of " + method);
-}
-
-Measurement wand_error(const CalibrationSummary& s, const WandZone& zone, double less_m) {
+Measurement wand_error(const CalibrationRecordings& s, const WandZone& zone, double less_m) {
   const WandRecording* recording = stated_distances(s);
   if (!recording) return lacking_wand();
   ContrastEstimate error_m = solve_contrast({{errors_in(*recording, zone)}, {}});
@@ -146,7 +133,7 @@ Measurement wand_error(const CalibrationSummary& s, const WandZone& zone, double
           .over = kUnits};
 }
 
-Measurement wand_error(const CalibrationSummary& s, const WandZone& zone, const WandZone& other) {
+Measurement wand_error(const CalibrationRecordings& s, const WandZone& zone, const WandZone& other) {
   const WandRecording* recording = stated_distances(s);
   if (!recording) return lacking_wand();
   const WeightedRatio base = errors_in(*recording, other);

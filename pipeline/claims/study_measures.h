@@ -17,11 +17,8 @@ namespace trilat {
 // not drawn.
 Measurement acceptable_interpretations(const SweepSummary& sweep);
 
-// The share of clock errors below 2 or 4 ms by one way to correct clocks.
-Measurement clock_share(const ClocksSummary& clocks, const std::string& method, double below_s);
-
-// The share of frames that the paper's queue takes; `server`: when it takes them out.
-Measurement queue_share(const ClocksSummary& clocks, const std::string& method, const std::string& server);
+// A share over recordings and sensors, from the numbers of each of them that have this key.
+Measurement share_of_units(const ClocksSummary& clocks, const NumberKey& key);
 
 // Where a ball is seen: from the first distance (angle from the central line) to below the second.
 struct WandZone {
@@ -30,8 +27,8 @@ struct WandZone {
 
 // The mean error of the ball's distance within a zone, corrected by the mid-range of the depths, in the first
 // recording of stated distances; less a printed number.
-Measurement wand_error(const CalibrationSummary& calibration, const WandZone& zone, double less_m);
+Measurement wand_error(const CalibrationRecordings& calibration, const WandZone& zone, double less_m);
 // The same in one zone against another: (zone - other) / other.
-Measurement wand_error(const CalibrationSummary& calibration, const WandZone& zone, const WandZone& other);
+Measurement wand_error(const CalibrationRecordings& calibration, const WandZone& zone, const WandZone& other);
 
 }  // namespace trilat

@@ -158,7 +158,7 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
 }
 
 int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown) {
-  const ResultsSummary summary = read_summary(results);
+  const ResultsSummary summary = read_results<ResultsSummary>(results);
   print_notes(summary.notes);
   print_cross_check(summary);
   const bool passed = summary.cross_checks.empty() || summary.cross_check_passed();

@@ -198,7 +198,7 @@ class Reproduction {
 
   void count_failures(const std::filesystem::path& results) {
     if (results_kind(results) != StudyKind::accuracy) return;
-    const ResultsSummary summary = read_summary(results);
+    const ResultsSummary summary = read_results<ResultsSummary>(results);
     takes_failed_ += summary.takes_failed;
     if (!summary.cross_checks.empty()) cross_check_passed_ = summary.cross_check_passed();
   }

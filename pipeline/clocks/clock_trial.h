@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "datasets/session/clock/session_clock.h"
-#include "pipeline/clocks/clocks_summary.h"
 
 namespace trilat {
 
@@ -47,6 +47,16 @@ const std::vector<std::string>& clock_method_names();
 // Error of every frame's time, stated less true, in seconds; NaN where there was no exchange yet, and of the
 // offline fit where it is itself the truth.
 std::vector<double> clock_errors_s(const ClockTrial& trial, ClockMethod method);
+
+// Fate of a sensor's frames in the paper's queue at the server.
+struct QueueCounts {
+  std::uint64_t came = 0;
+  std::uint64_t untimed = 0;  // no exchange yet, so no time of sending
+  std::uint64_t too_early = 0,
+                too_late = 0;  // stated time of sending too far from the server's time: dropped
+  std::uint64_t taken = 0;
+  bool operator==(const QueueCounts&) const = default;
+};
 
 struct QueueRule {
   Duration late{0};  // the most by which a stated time of sending may differ from the server's time

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -65,38 +66,53 @@ std::vector<Recording> recordings_of(const Campaign& campaign) {
   return recordings;
 }
 
-// Errors of one sensor's clock in one recording.
+// One sensor's clock in one recording, and what each method makes of its frames.
 struct TrialErrors {
+  std::string take, sensor;
   std::vector<std::vector<double>> by_method_s;
   std::vector<std::array<QueueCounts, kServerWays.size()>> queues;  // by method
-  MachineRow machine;
+  Numbers machine;
+  NumberKey with_unit(const NumberKey& key) const { return key.with({.group = sensor, .take = take}); }
 };
 
-MachineRow machine_of(const ClockTrial& trial, const std::vector<double>& offline_s, double late_s) {
+std::uint64_t count_below(std::span<const double> errors_s, double limit_s) {
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(errors_s, [&](double e) { return std::abs(e) < limit_s; }));
+}
+
+// How the offline fit states the clock, and how long frames take from their exposure to the recorder.
+Numbers machine_numbers(const ClockTrial& trial, const TrialErrors& errors, double late_s) {
   const AgentClock& clock = trial.clock.agent;
-  MachineRow row;
-  row.exchanges = clock.exchanges;
-  row.frames = trial.frames.size();
-  row.exchanges_used_share = static_cast<double>(clock.exchanges_used) / static_cast<double>(clock.exchanges);
-  row.offset_sigma_s = 1e-9 * static_cast<double>(clock.sigma_ns());
-  row.offset_bound_s = 1e-9 * static_cast<double>(clock.bound_ns);
-  row.bend_s = clock.bend.seconds();
-  const double limit_s = row.offset_bound_s + kSigmas * row.offset_sigma_s;
+  const std::size_t frames = trial.frames.size();
+  Numbers numbers;
+  const auto add = [&](const char* measure, const char* statistic, double value, std::uint64_t n) {
+    numbers.add(
+        {errors.with_unit({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+  };
+  const double sigma_s = 1e-9 * static_cast<double>(clock.sigma_ns()),
+               bound_s = 1e-9 * static_cast<double>(clock.bound_ns);
+  add("clock_fit", "share_used", share_of(clock.exchanges_used, clock.exchanges), clock.exchanges);
+  add("clock_fit", "sigma", sigma_s, clock.exchanges);
+  add("clock_fit", "bound", bound_s, clock.exchanges);
+  add("clock_fit", "bend", clock.bend.seconds(), clock.exchanges);
+  const std::vector<double>& offline_s = errors.by_method_s[static_cast<std::size_t>(ClockMethod::offline)];
+  const double limit_s = bound_s + kSigmas * sigma_s;
   const auto within = std::ranges::count_if(offline_s, [&](double e) { return std::abs(e) <= limit_s; });
-  if (trial.is_exact) row.within_bound_share = static_cast<double>(within) / static_cast<double>(row.frames);
-  if (trial.clock.latency.ns <= 0) return row;  // nobody says how long a frame takes to its computer
+  if (trial.is_exact)
+    add("clock_fit", "share_within_bound", share_of(static_cast<std::uint64_t>(within), frames), frames);
+  if (trial.clock.latency.ns <= 0) return numbers;  // nobody says how long a frame takes to its computer
   std::vector<double> latency_s;
   for (const TrialFrame& f : trial.frames) latency_s.push_back((f.received - f.exposure).seconds());
   const auto in_time = std::ranges::count_if(latency_s, [&](double s) { return s <= late_s; });
-  row.in_time_share = static_cast<double>(in_time) / static_cast<double>(row.frames);
-  const TimeSpread spread = spread_times(std::move(latency_s));
-  row.latency_median_s = spread.median_s;
-  row.latency_p99_s = spread.p99_s;
-  return row;
+  add("latency", "share_in_time", share_of(static_cast<std::uint64_t>(in_time), frames), frames);
+  const auto q = quantiles_of(latency_s, {0.5, 0.99});
+  add("latency", "median", q[0], frames);
+  add("latency", "p99", q[1], frames);
+  return numbers;
 }
 
-TrialErrors measure_trial(const ClockTrial& trial, double late_s) {
-  TrialErrors errors;
+TrialErrors measure_trial(const ClockTrial& trial, std::string take, std::string sensor, double late_s) {
+  TrialErrors errors{std::move(take), std::move(sensor), {}, {}, {}};
   for (std::size_t m = 0; m < clock_method_names().size(); ++m)
     errors.by_method_s.push_back(clock_errors_s(trial, static_cast<ClockMethod>(m)));
   for (std::size_t m = 0; m < kQueueMethods; ++m) {
@@ -106,60 +122,46 @@ TrialErrors measure_trial(const ClockTrial& trial, double late_s) {
           run_queue(trial.frames, errors.by_method_s[m],
                     {duration_from_s(late_s), duration_from_s(kServerWays[w].in_frames ? late_s : 0.0)});
   }
-  errors.machine =
-      machine_of(trial, errors.by_method_s[static_cast<std::size_t>(ClockMethod::offline)], late_s);
+  errors.machine = machine_numbers(trial, errors, late_s);
   return errors;
 }
 
-ClockUnit count_errors(const std::vector<double>& errors_s) {
-  ClockUnit unit{errors_s.size()};
-  for (double error_s : errors_s) {
-    unit.answered += std::isfinite(error_s);
-    unit.below_2ms += std::abs(error_s) < kTimeEdges_s[1];
-    unit.below_4ms += std::abs(error_s) < kTimeEdges_s[2];
-  }
-  return unit;
+// Adds a share with its interval over the units: clusters of which each has `part` of `whole`.
+void add_share(const NumberKey& key, const std::vector<double>& part, const std::vector<double>& whole,
+               std::uint64_t n, Numbers& numbers) {
+  const ShareEstimate share = estimate_share(part, whole);
+  numbers.add({key, share.value, share.low, share.high, n, share.clusters});
 }
 
-ClockErrorRow row_of(std::size_t method, const std::vector<TrialErrors>& trials) {
-  ClockErrorRow row;
-  row.method = clock_method_names()[method];
-  std::vector<double> all_s, good, asked;
-  for (const TrialErrors& trial : trials) {
-    const std::vector<double>& errors_s = trial.by_method_s[method];
-    const ClockUnit unit = row.units.emplace_back(count_errors(errors_s));
-    row.asked += unit.asked;
-    for (double error_s : errors_s) all_s.push_back(std::abs(error_s));
-    good.push_back(static_cast<double>(unit.below_2ms));
-    asked.push_back(static_cast<double>(unit.asked));
-  }
-  row.error = spread_times(std::move(all_s));
-  if (row.error.n == 0) return row;
-  const ShareEstimate share = estimate_share(good, asked);
-  row.below_2ms = share.value;
-  row.below_2ms_low = share.low;
-  row.below_2ms_high = share.high;
-  return row;
-}
-
-QueueRow queue_row_of(std::size_t method, std::size_t way, const std::vector<TrialErrors>& trials) {
-  QueueRow row{clock_method_names()[method], kServerWays[way].name, {}};
+// The queue's frames by one method and one way of the server; nothing where no frame has a time.
+void add_queue(std::size_t method, std::size_t way, const std::vector<TrialErrors>& trials,
+               Numbers& numbers) {
+  const NumberKey key{
+      .condition = kServerWays[way].name, .method = clock_method_names()[method], .measure = "queue"};
+  QueueCounts all;
   std::vector<double> taken, came;
   for (const TrialErrors& trial : trials) {
     const QueueCounts& counts = trial.queues[method][way];
-    row.counts.came += counts.came;
-    row.counts.untimed += counts.untimed;
-    row.counts.too_early += counts.too_early;
-    row.counts.too_late += counts.too_late;
-    row.counts.taken += counts.taken;
-    row.units.push_back({counts.came, counts.taken});
+    all.came += counts.came;
+    all.untimed += counts.untimed;
+    all.too_early += counts.too_early;
+    all.too_late += counts.too_late;
+    all.taken += counts.taken;
     taken.push_back(static_cast<double>(counts.taken));
     came.push_back(static_cast<double>(counts.came));
   }
-  const ShareEstimate share = estimate_share(taken, came);
-  row.taken_low = share.low;
-  row.taken_high = share.high;
-  return row;
+  if (all.untimed == all.came) return;
+  for (const TrialErrors& trial : trials) {
+    const QueueCounts& counts = trial.queues[method][way];
+    numbers.add({trial.with_unit(key.with({.statistic = "taken"})), share_of(counts.taken, counts.came),
+                 kNoNumber, kNoNumber, counts.came});
+  }
+  for (const auto& [statistic, count] : {std::pair{"came", all.came},
+                                         {"untimed", all.untimed},
+                                         {"too_early", all.too_early},
+                                         {"too_late", all.too_late}})
+    numbers.add({key.with({.statistic = statistic}), share_of(count, all.came), kNoNumber, kNoNumber, count});
+  add_share(key.with({.statistic = "taken"}), taken, came, all.taken, numbers);
 }
 
 // One sensor of one recording.
@@ -170,7 +172,7 @@ struct SensorOf {
 struct Opened {
   std::vector<std::optional<SessionReader>> sessions;  // none where it cannot be read
   std::vector<SensorOf> sensors;
-  std::vector<std::string> left_out;
+  std::vector<std::string> failed;
   bool simulated = false;
 };
 
@@ -183,7 +185,7 @@ Opened open_all(const std::vector<Recording>& recordings) {
       opened.simulated |= session.header().simulated;
       for (std::size_t s = 0; s < session.header().sensors.size(); ++s) opened.sensors.push_back({r, s});
     } catch (const InputError& error) {
-      opened.left_out.push_back(recordings[r].take + ": " + error.problem());
+      opened.failed.push_back(recordings[r].take + ": " + error.problem());
     }
   }
   return opened;
@@ -200,9 +202,8 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
     const auto [recording, sensor] = opened.sensors[k];
     const SessionReader& session = *opened.sessions[recording];
     try {
-      found[k] = measure_trial(read_clock_trial(session, sensor), spec.late_s);
-      found[k]->machine.take = recordings[recording].take;
-      found[k]->machine.sensor = session.header().sensors[sensor].name;
+      found[k] = measure_trial(read_clock_trial(session, sensor), recordings[recording].take,
+                               session.header().sensors[sensor].name, spec.late_s);
     } catch (const InputError& error) {
       problems[k] =
           recordings[recording].take + ", " + session.header().sensors[sensor].name + ": " + error.problem();
@@ -215,23 +216,25 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
     if (found[k])
       trials.push_back(std::move(*found[k]));
     else
-      opened.left_out.push_back(problems[k]);
+      opened.failed.push_back(problems[k]);
   }
-  if (trials.empty()) throw InputError("campaign \"" + campaign.name + '"', opened.left_out.front());
+  if (trials.empty()) throw InputError("campaign \"" + campaign.name + '"', opened.failed.front());
   summary.study = spec.name;
   summary.paper = name_of(spec.paper);
   summary.campaign = campaign.name;
   summary.simulated = campaign.simulated || opened.simulated;
   summary.recordings = recordings.size();
   summary.late_s = spec.late_s;
-  summary.left_out = std::move(opened.left_out);
-  for (std::size_t m = 0; m < clock_method_names().size(); ++m)
-    if (ClockErrorRow row = row_of(m, trials); row.error.n > 0) summary.clocks.push_back(std::move(row));
+  summary.failed = std::move(opened.failed);
+  for (std::size_t m = 0; m < clock_method_names().size(); ++m) {
+    std::vector<UnitErrors> units;
+    for (const TrialErrors& trial : trials) units.push_back({trial.take, trial.sensor, trial.by_method_s[m]});
+    add_clock_errors(clock_method_names()[m], units, summary.numbers);
+  }
   for (std::size_t m = 0; m < kQueueMethods; ++m)
-    for (std::size_t way = 0; way < kServerWays.size(); ++way)
-      if (QueueRow row = queue_row_of(m, way, trials); row.counts.untimed < row.counts.came)
-        summary.queues.push_back(std::move(row));
-  for (TrialErrors& trial : trials) summary.machines.push_back(std::move(trial.machine));
+    for (std::size_t way = 0; way < kServerWays.size(); ++way) add_queue(m, way, trials, summary.numbers);
+  for (const TrialErrors& trial : trials) summary.numbers.add(trial.machine);
+  summary.rows = summary.numbers.all().size();
   return summary;
 }
 
@@ -274,42 +277,64 @@ ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs:
   if (run.is_finished(manifest)) return run.tally();
   run.begin(manifest);
   if (run.is_whole()) hashes.save(folder);
-  run.compute([&](std::size_t, const fs::path&, const Watch& watch) {
+  run.compute([&](std::size_t, const fs::path& into, const Watch& watch) {
     const ClocksSummary summary = measure(spec, campaign, watch);
     watched.check();
+    write_numbers(into, summary.numbers);
     return json_of(summary);
   });
   if (run.is_whole())
     run.publish_results(manifest, [&](const fs::path& into) {
       const Outcome& outcome = run.outcome(0);
       auto summary = read_as<ClocksSummary>(JsonObject(outcome.json, outcome.place(), ""));
+      summary.numbers = read_numbers(outcome.folder, summary.rows);
       summary.campaign = campaign.name;  // which is not in the item's key
       summary.claims = claims_of(summary);
       const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
       if (!simulator.empty()) write_declared_parameters(into, simulator);
       store_tables(into, clocks_tables(summary));
       write_beside(into, StoredFigures{});
-      write_results(into, summary, -1);
+      write_results(into, summary);
     });
   return run.tally();
 }
 
-TimeSpread spread_times(std::vector<double> times_s) {
-  std::erase_if(times_s, [](double t) { return !std::isfinite(t); });
-  TimeSpread spread;
-  spread.n = times_s.size();
-  for (double t : times_s) {
-    const auto edge = std::upper_bound(kTimeEdges_s.begin() + 1, kTimeEdges_s.end(), t);
-    ++spread.bins[static_cast<std::size_t>(edge - kTimeEdges_s.begin()) - 1];
+void add_clock_errors(const std::string& method, const std::vector<UnitErrors>& units, Numbers& numbers) {
+  const NumberKey key{.method = method, .measure = "clock_error"};
+  std::vector<double> all_s, below_2ms, below_4ms, asked;
+  std::uint64_t frames = 0, wholly = 0;
+  for (const UnitErrors& unit : units) {
+    for (double error_s : unit.error_s)
+      if (std::isfinite(error_s)) all_s.push_back(std::abs(error_s));
+    frames += unit.error_s.size();
   }
-  if (times_s.empty()) return spread;
-  const auto q = quantiles_of(times_s, {0.5, 0.95, 0.99, 0.999, 1.0});
-  spread.median_s = q[0];
-  spread.p95_s = q[1];
-  spread.p99_s = q[2];
-  spread.p999_s = q[3];
-  spread.max_s = q[4];
-  return spread;
+  if (all_s.empty()) return;
+  for (const UnitErrors& unit : units) {
+    const std::uint64_t good = count_below(unit.error_s, kTimeRanges[0].below_s),
+                        fair = count_below(unit.error_s, kTimeRanges[1].below_s), of = unit.error_s.size();
+    below_2ms.push_back(static_cast<double>(good));
+    below_4ms.push_back(static_cast<double>(fair));
+    asked.push_back(static_cast<double>(of));
+    wholly += fair == of;
+    const NumberKey own = key.with({.group = unit.sensor, .take = unit.take});
+    for (const auto& [name, count] : {std::pair{kTimeRanges[0].share, good}, {kShareBelow4ms, fair}})
+      numbers.add({own.with({.statistic = name}), share_of(count, of), kNoNumber, kNoNumber, of});
+  }
+  const auto add = [&](const char* statistic, double value, std::uint64_t n) {
+    numbers.add({key.with({.statistic = statistic}), value, kNoNumber, kNoNumber, n});
+  };
+  add_share(key.with({.statistic = kTimeRanges[0].share}), below_2ms, asked, frames, numbers);
+  std::uint64_t before = count_below(all_s, kTimeRanges[0].below_s);
+  for (const TimeRange& range : std::span(kTimeRanges).subspan(1)) {
+    const std::uint64_t below = count_below(all_s, range.below_s);
+    add(range.share, share_of(below - before, frames), frames);
+    before = below;
+  }
+  add_share(key.with({.statistic = kShareBelow4ms}), below_4ms, asked, frames, numbers);
+  add("share_of_units_below_4ms", share_of(wholly, units.size()), units.size());
+  const auto q = quantiles_of(all_s, {0.5, 0.95, 0.99, 0.999, 1.0});
+  constexpr std::array kNames{"median", "p95", "p99", "p999", "max"};
+  for (std::size_t k = 0; k < kNames.size(); ++k) add(kNames[k], q[k], all_s.size());
 }
 
 }  // namespace trilat

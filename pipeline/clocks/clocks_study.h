@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "datasets/results/timings.h"
+#include "datasets/results/numbers.h"
 #include "datasets/take/campaign.h"
 #include "pipeline/study/recordings.h"
 #include "pipeline/study/study.h"
@@ -31,7 +32,13 @@ Json resolved_json(const ClocksSpec& spec);
 ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const std::filesystem::path& folder,
                      const StudyOptions& options);
 
-// Bins and quantiles of what is a number.
-TimeSpread spread_times(std::vector<double> times_s);
+// The errors of one sensor's frames in one recording by one way to give them their times, in seconds; NaN
+// where it has no answer.
+struct UnitErrors {
+  std::string take, sensor;
+  std::span<const double> error_s;
+};
+// Adds the numbers of measure "clock_error" (see ClocksSummary) of one method; none where it answers nowhere.
+void add_clock_errors(const std::string& method, const std::vector<UnitErrors>& units, Numbers& numbers);
 
 }  // namespace trilat

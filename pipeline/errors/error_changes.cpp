@@ -153,7 +153,8 @@ std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::p
   if (results.size() != 2) return std::nullopt;
   for (const auto& path : results)
     if (results_kind(path) != StudyKind::accuracy) return std::nullopt;
-  const ResultsSummary before = read_summary(results[0]), after = read_summary(results[1]);
+  const ResultsSummary before = read_results<ResultsSummary>(results[0]),
+                       after = read_results<ResultsSummary>(results[1]);
   if (!are_comparable(before, after)) return std::nullopt;
   std::optional<ErrorChanges> changes = changes_between(errors_by_joint(before), errors_by_joint(after));
   if (!changes) return changes;

@@ -1,61 +1,31 @@
 // SPDX-License-Identifier: MIT
-// Numbers of studies that takes do not judge.
+// Numbers that are not judged take by take.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <set>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "pipeline/gate/compare_results.h"
-#include "pipeline/gate/found_results.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMaxListed = 100;  // of a study that are listed
+constexpr std::size_t kMaxListed = 100;  // numbers of a study that are listed
 
-// Keys whose change is not listed: bounds of intervals, and bookkeeping.
-bool is_news(const std::string& key) {
-  static const std::set<std::string> kNoNews{"mean_iterations", "p05_m",   "p25_m",      "p75_m",  "clusters",
-                                             "significant",     "program", "created_by", "version"};
-  return !kNoNews.contains(key) && key.find("_low") == std::string::npos &&
-         key.find("_high") == std::string::npos && !key.starts_with("low") && !key.starts_with("high");
-}
-
-Json value_at(const Json& document, const Json::json_pointer& place) {
-  return document.contains(place) ? document.at(place) : Json();
-}
-
-// Rows of lists by what names them, "linear, standing", instead of by their place: a row that only one side
-// has shifts no other.
-Json with_named_rows(const Json& document) {
-  if (!document.is_structured()) return document;
-  Json named = document.is_array() && !document.empty() ? Json::object() : Json(document.type());
-  for (const auto& [key, value] : document.items()) {
-    std::string name = key;
-    if (document.is_array() && value.is_object()) {
-      std::string texts;
-      for (const auto& [of, text] : value.items())
-        if (text.is_string()) texts += (texts.empty() ? "" : ", ") + text.get<std::string>();
-      if (!texts.empty()) name = texts;
-      for (int again = 2; named.contains(name); ++again) name = fmt::format("{} ({})", texts, again);
-    }
-    named[name] = with_named_rows(value);
-  }
-  return named;
-}
-
-// Whether a change of a number is listed where takes are judged by their own errors: not the mean error and
-// the answers, which are judged, and no number that only says how sure another is.
-bool is_listed(const Number& number) {
-  static const std::set<std::string> kNotListed{
+// Whether a change of the number is news: it is of all takes, and does not only say how sure another number
+// is.
+bool is_news(const Number& number) {
+  static const std::set<std::string> kNoNews{
       "difference",   "relative_difference", "sd",  "lower_limit", "upper_limit",
       "mean_of_sets", "share_of_sets",       "p05", "p25",         "p75"};
-  if (!number.take.empty() || kNotListed.contains(number.statistic)) return false;
-  if (number.measure == "distance" && number.statistic == "mean") return false;
-  return number.measure != "answered" && number.measure != "iterations";
+  return number.take.empty() && !kNoNews.contains(number.statistic) && number.measure != "iterations";
+}
+
+// The mean errors and answers of an accuracy study, which are judged take by take.
+bool is_judged_by_take(const Number& number) {
+  return number.measure == "answered" || (number.measure == "distance" && number.statistic == "mean");
 }
 
 std::string text_of(const NumberKey& key) {
@@ -63,6 +33,12 @@ std::string text_of(const NumberKey& key) {
   for (const std::string& part : {key.method, key.condition, key.group, key.alignment})
     if (!part.empty()) text += ", " + part;
   return text;
+}
+
+Direction direction_of(const NumberKey& key, double before, double now) {
+  const Better better = better_of(key);
+  if (better == Better::neither || std::isnan(before + now)) return Direction::changed;
+  return (now > before) == (better == Better::larger) ? Direction::better : Direction::worse;
 }
 
 void add_largest(const std::string& study, std::vector<GateFinding> findings, GateReport& report) {
@@ -77,11 +53,11 @@ void add_largest(const std::string& study, std::vector<GateFinding> findings, Ga
 
 }  // namespace
 
-void list_numbers(const std::string& study, const Numbers& before, const Numbers& now,
-                  const GateLimits& limits, GateReport& report) {
+void compare_numbers(const std::string& study, const Numbers& before, const Numbers& now, NumberRule rule,
+                     const GateLimits& limits, GateReport& report) {
   std::vector<GateFinding> findings;
   const auto add = [&](const Number& key, double before_value, double now_value) {
-    if (!is_listed(key)) return;
+    if (!is_news(key) || (rule == NumberRule::list_rest && is_judged_by_take(key))) return;
     ++report.looked_at;
     if (is_same(before_value, now_value)) return;
     const double least = unit_of(key) == "m" ? limits.smallest_m : limits.smallest_number;
@@ -90,7 +66,10 @@ void list_numbers(const std::string& study, const Numbers& before, const Numbers
       ++report.within_limits;
       return;
     }
-    GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, Direction::changed, false);
+    const Direction direction = direction_of(key, before_value, now_value);
+    const bool is_gone = std::isnan(now_value) && better_of(key) != Better::neither;
+    GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, direction,
+                                     rule == NumberRule::judge && (is_gone || direction == Direction::worse));
     finding.what = text_of(key);
     finding.unit = unit_of(key);
     finding.before = before_value;
@@ -101,38 +80,6 @@ void list_numbers(const std::string& study, const Numbers& before, const Numbers
   for (const Number& number : now.all()) add(number, before.value(number), number.value);
   for (const Number& number : before.all())
     if (!now.find(number)) add(number, number.value, kNoNumber);
-  add_largest(study, std::move(findings), report);
-}
-
-void compare_numbers(const std::string& study, const Json& document_before, const Json& document_now,
-                     bool alarm, const GateLimits& limits, GateReport& report) {
-  const Json before = with_named_rows(document_before), now = with_named_rows(document_now);
-  std::vector<GateFinding> findings;
-  for (const Json& step : Json::diff(before, now)) {
-    const Json::json_pointer place(step.at("path").get<std::string>());
-    const Json here = step.value("value", Json()), there = value_at(before, place);
-    ++report.looked_at;
-    const std::string& key = place.back();
-    if (!is_news(key)) continue;
-    GateFinding finding = finding_of({study, "", "", ""}, FindingKind::number, Direction::changed, alarm);
-    finding.what = place.to_string();
-    if (here.is_number()) finding.now = here.get<double>();
-    if (there.is_number()) finding.before = there.get<double>();
-    if (here.is_number() && there.is_number()) {
-      if (is_same(finding.now, finding.before)) continue;
-      const double least = key.ends_with("_m") ? limits.smallest_m : limits.smallest_number;
-      const double off = std::abs(finding.now - finding.before);
-      if (off <= least || 100.0 * off <= limits.smallest_percent * std::abs(finding.before)) {
-        ++report.within_limits;
-        continue;
-      }
-      if (key.ends_with("_m")) finding.unit = "m";
-      if (std::abs(finding.before) > least) finding.percent = percent_of(finding.now, finding.before);
-    } else {
-      finding.note = fmt::format("{} before, {} now", shortened(there), shortened(here));
-    }
-    findings.push_back(std::move(finding));
-  }
   add_largest(study, std::move(findings), report);
 }
 

@@ -227,7 +227,7 @@ class Comparison {
       if (pair.now.kind == StudyKind::accuracy)
         compare_accuracy(pair, verdict);
       else
-        compare_numbers(pair.now.name, pair.before.summary, pair.now.summary, true, limits_, report_);
+        compare_other_kind(pair, verdict);
     }
     report_.studies.push_back(std::move(verdict));
   }
@@ -253,7 +253,8 @@ class Comparison {
 
  private:
   void compare_accuracy(const ResultsPair& pair, StudyVerdict& verdict) {
-    const ResultsSummary now = read_summary(pair.now.folder), before = read_summary(pair.before.folder);
+    const ResultsSummary now = read_results<ResultsSummary>(pair.now.folder),
+                         before = read_results<ResultsSummary>(pair.before.folder);
     compare_failures(pair.now.name, before, now, report_);
     if (!are_comparable(before, now)) {
       add_failure(pair.now.name, "errors are measured in another way", kNoNumber, kNoNumber,
@@ -288,8 +289,35 @@ class Comparison {
                      takes.same.empty() ? errors_before : errors_of(errors_before, takes.other),
                      takes.same.empty() ? errors_now : errors_of(errors_now, takes.other), verdict, add_note);
     } else {
-      list_numbers(pair.now.name, before.numbers, now.numbers, limits_, report_);
+      compare_numbers(pair.now.name, before.numbers, now.numbers, NumberRule::list_rest, limits_, report_);
     }
+  }
+
+  void compare_other_kind(const ResultsPair& pair, StudyVerdict& verdict) {
+    const auto failed = [](const FoundResults& found) {
+      return found.summary.value("failed", std::vector<std::string>{});
+    };
+    const auto numbers = [](const FoundResults& found) {
+      return read_numbers(found.folder, found.summary.at("rows").get<std::size_t>());
+    };
+    const std::vector<std::string> before = failed(pair.before), now = failed(pair.now);
+    std::vector<std::string> fresh;
+    std::ranges::copy_if(now, std::back_inserter(fresh), [&](const std::string& text) {
+      return std::ranges::find(before, text) == before.end();
+    });
+    if (!fresh.empty())
+      add_failure(pair.now.name, "recordings that could not be evaluated", static_cast<double>(before.size()),
+                  static_cast<double>(now.size()), fmt::format("{}", fmt::join(fresh, "; ")), report_);
+    const TakesOfBoth recordings = takes_of_both(pair);
+    const bool are_others = !recordings.other.empty() || !recordings.one_sided.empty();
+    if (are_others) {
+      verdict.state = StudyState::not_judged;
+      verdict.note =
+          fmt::format("other recordings, {}",
+                      (recordings.other.empty() ? recordings.one_sided : recordings.other).front());
+    }
+    compare_numbers(pair.now.name, numbers(pair.before), numbers(pair.now),
+                    are_others ? NumberRule::list : NumberRule::judge, limits_, report_);
   }
 
   // Judges takes of other recordings between participants; not judged where these are too few.

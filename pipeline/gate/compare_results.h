@@ -14,8 +14,9 @@ namespace trilat {
 // lost a tenth of its answers, each by more than its limit; all other numbers that changed are listed. Takes
 // of other recordings are judged by Student's t of the mean error between their participants, eight at least,
 // with the probability of chance by Holm over all studies; of fewer the study is not judged, whatever its
-// other takes say. Numbers of other kinds of study are an alarm when they change, since more may be better or
-// worse. Settings that differ are named, and the numbers are compared all the same. InputError when a side
+// other takes say. A number of another kind of study is an alarm where it is worse by what better_of() says;
+// where recordings are others, the study is not judged. Settings that differ are named, and the numbers are
+// compared all the same. InputError when a side
 // holds no results, or they have no study in common.
 GateReport compare_results(const std::filesystem::path& results, const std::filesystem::path& baseline,
                            const GateLimits& limits = {});
@@ -38,12 +39,13 @@ double compare_people(const std::string& study, const ErrorsByJoint& before, con
 // Corrects the chances of all findings that have one, and keeps those that are more than chance.
 void judge_chances(const GateLimits& limits, GateReport& report);
 
-// Lists the numbers of two accuracy studies that differ by more than the limits and that takes do not judge.
-void list_numbers(const std::string& study, const Numbers& before, const Numbers& now,
-                  const GateLimits& limits, GateReport& report);
-
-// Numbers that differ between two documents of one deterministic study: alarms, or listed.
-void compare_numbers(const std::string& study, const Json& before, const Json& now, bool alarm,
+// What becomes of numbers that changed by more than their limits.
+enum class NumberRule : std::uint8_t {
+  judge,      // worse is an alarm, and so is a number that is gone
+  list,       // all are listed: the recordings are others
+  list_rest,  // the same but for what takes are judged by
+};
+void compare_numbers(const std::string& study, const Numbers& before, const Numbers& now, NumberRule rule,
                      const GateLimits& limits, GateReport& report);
 
 }  // namespace trilat

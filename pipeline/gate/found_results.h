@@ -50,7 +50,7 @@ std::string shortened(const Json& value);
 // mapping of each take. Defaults of the code are not settings, nor is what a simulated clock wrote.
 std::vector<std::string> settings_that_differ(const ResultsPair& pair);
 
-// The ids of the takes of an accuracy study, by whether session and motion capture have the same content.
+// The ids of the takes of a study, by whether session and motion capture have the same content.
 struct TakesOfBoth {
   std::vector<std::string> same, other, one_sided;
 };

@@ -202,10 +202,13 @@ NightVerdict GateReport::verdict() const {
 
 std::string not_judged_text(const GateReport& report) {
   std::string text;
-  for (const StudyVerdict& s : report.studies)
-    if (s.state == StudyState::not_judged)
-      text += fmt::format("{}{} participant{} in {}", text.empty() ? "" : ", ", s.participants,
-                          s.participants == 1 ? "" : "s", s.study);
+  for (const StudyVerdict& s : report.studies) {
+    if (s.state != StudyState::not_judged) continue;
+    text += text.empty() ? "" : ", ";
+    text += s.participants == 0 ? fmt::format("other recordings in {}", s.study)
+                                : fmt::format("{} participant{} in {}", s.participants,
+                                              s.participants == 1 ? "" : "s", s.study);
+  }
   return text;
 }
 

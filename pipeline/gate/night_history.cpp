@@ -29,7 +29,7 @@ std::map<std::string, double> mean_errors_of(const ResultsSet& results) {
   std::map<std::string, double> errors_m;
   for (const FoundResults& found : results.results) {
     if (found.kind != StudyKind::accuracy) continue;
-    const std::vector<Number> means = mean_errors_in(read_summary(found.folder));
+    const std::vector<Number> means = mean_errors_in(read_results<ResultsSummary>(found.folder));
     std::set<std::string> averaged;  // conditions of several groups
     for (const Number& mean : means)
       if (mean.group == kAverageGroup) averaged.insert(mean.condition);

@@ -9,6 +9,7 @@
 #include <Eigen/QR>
 
 #include "datasets/base/error.h"
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {
@@ -98,33 +99,42 @@ void SweepSums::add(const SweepSums& later) {
   iterations.add(later.iterations);
 }
 
-SweepCell cell_of(const SweepSums& sums) {
-  SweepCell cell;
-  cell.asked = sums.asked;
-  cell.answered = sums.answered;
-  for (std::size_t i = 0; i < sums.statuses.size(); ++i)
-    if (sums.statuses[i] > 0)
-      cell.statuses[std::string(name_of(static_cast<SolveStatus>(i)))] = sums.statuses[i];
-  if (sums.starts > 0) cell.start_mae_m = sums.start_m / static_cast<double>(sums.starts);
-  if (cell.asked > 0) {
-    cell.mean_iterations = sums.iterations.mean();
-    cell.p50_iterations = static_cast<double>(sums.iterations.quantile(0.5));
-    cell.p99_iterations = static_cast<double>(sums.iterations.quantile(0.99));
-    cell.max_iterations = static_cast<double>(sums.iterations.quantile(1.0));
+Numbers numbers_of(const SweepSums& sums, const NumberKey& cell) {
+  Numbers numbers;
+  const auto asked = static_cast<double>(sums.asked), answered = static_cast<double>(sums.answered);
+  const auto add = [&](const char* measure, const char* statistic, double value, std::uint64_t n) {
+    numbers.add({cell.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+  };
+  if (sums.answered > 0) {
+    const double mean_m = sums.distance_m / answered, mean_square_m2 = sums.square_m2 / answered;
+    Number mean{cell.with(kSweptError), mean_m};
+    mean.n = mean.clusters = sums.answered;
+    if (sums.answered > 1) {
+      const double half_m = student_quantile(sums.answered - 1) *
+                            std::sqrt(std::max(0.0, mean_square_m2 - mean_m * mean_m) / (answered - 1.0));
+      mean.low = mean_m - half_m;
+      mean.high = mean_m + half_m;
+    }
+    numbers.add(mean);
+    add("distance", "rms", std::sqrt(mean_square_m2), sums.answered);
+    for (const auto& [name, share] : {std::pair{"median", 0.5}, {"p95", 0.95}})
+      add("distance", name, std::min(sums.max_m, bin_distance_m(sums.distance_bins.quantile(share))),
+          sums.answered);
+    add("distance", "max", sums.max_m, sums.answered);
+    for (std::size_t axis = 0; axis < kAxisNames.size(); ++axis)
+      add(kAxisNames[axis], "mean_abs", sums.axis_m[axis] / answered, sums.answered);
   }
-  if (cell.answered == 0) return cell;
-  const auto n = static_cast<double>(cell.answered);
-  cell.mae_m = sums.distance_m / n;
-  for (std::size_t axis = 0; axis < 3; ++axis) cell.axis_mae_m[axis] = sums.axis_m[axis] / n;
-  const double mean_square_m2 = sums.square_m2 / n;
-  cell.rmse_m = std::sqrt(mean_square_m2);
-  if (cell.answered > 1)
-    cell.mae_standard_error_m =
-        std::sqrt(std::max(0.0, mean_square_m2 - cell.mae_m * cell.mae_m) / (n - 1.0));
-  cell.p50_m = std::min(sums.max_m, bin_distance_m(sums.distance_bins.quantile(0.5)));
-  cell.p95_m = std::min(sums.max_m, bin_distance_m(sums.distance_bins.quantile(0.95)));
-  cell.max_m = sums.max_m;
-  return cell;
+  if (sums.starts > 0) add("start", "mean", sums.start_m / static_cast<double>(sums.starts), sums.starts);
+  if (sums.asked == 0) return numbers;
+  add("iterations", "mean", sums.iterations.mean(), sums.asked);
+  for (const auto& [name, share] : {std::pair{"median", 0.5}, {"p99", 0.99}, {"max", 1.0}})
+    add("iterations", name, static_cast<double>(sums.iterations.quantile(share)), sums.asked);
+  add("answered", "share", answered / asked, sums.asked);
+  for (std::size_t s = 0; s < sums.statuses.size(); ++s)
+    if (sums.statuses[s] > 0)
+      add("status", solve_status_names()[s].c_str(), static_cast<double>(sums.statuses[s]) / asked,
+          sums.statuses[s]);
+  return numbers;
 }
 
 // Row i: 2 (s_i - s_0).(x - s_0) = |s_i - s_0|^2 - r_i^2 + r_0^2.

@@ -18,12 +18,12 @@ constexpr const char* kThePapers = "the paper's";
 constexpr std::size_t kMaxPanels = 12, kMaxLines = 6;
 
 const SweepSetting& setting_of(const SweepSummary& s, std::size_t interpretation) {
-  return s.cell(interpretation, 0, 0).setting;
+  return s.cell(interpretation, 0, 0);
 }
 
 bool differs(const SweepSummary& s, std::string SweepSetting::*word) {
-  return std::ranges::any_of(
-      s.cells, [&](const SweepCell& cell) { return cell.setting.*word != s.cells.front().setting.*word; });
+  return std::ranges::any_of(s.cells,
+                             [&](const SweepCell& cell) { return cell.*word != s.cells.front().*word; });
 }
 
 // A panel has one rig, error model and range of errors; a line the other choices that interpretations differ
@@ -49,37 +49,42 @@ std::string line_of(const SweepSummary& s, const SweepSetting& setting) {
 struct Quantity {
   const char *id, *title, *y_label, *interval;
   bool logarithmic = false;
-  std::function<FigurePoint(const SweepCell&)> of;  // but x
+  std::function<FigurePoint(std::size_t cell)> of;  // but x
   std::function<double(const PrintedTable1::Row&, std::size_t range)> printed =
       {};  // of the paper; NaN: none
 };
 
 std::vector<Quantity> quantities(const SweepSummary& s, const SweepTimings& timings) {
+  const auto number = [&s](std::size_t cell, const NumberKey& what) {
+    return shown_number(s.numbers, s.cells[cell].key().with(what), 0);
+  };
+  const auto steps = [&s](std::size_t cell, const char* statistic) {
+    return s.value(s.cells[cell], {.measure = "iterations", .statistic = statistic});
+  };
   std::vector<Quantity> all{
       {"error", "Error over the stopping threshold", "mean error (cm)", "95 % interval of the mean", false,
-       [](const SweepCell& c) {
-         const double cm = c.mae_m * kCentimetresPerMetre,
-                      half = c.mae_half_interval_m() * kCentimetresPerMetre;
-         return FigurePoint{0.0, cm, cm - half, cm + half};
+       [=](std::size_t c) {
+         const TableValue error = number(c, kSweptError);
+         return FigurePoint{0.0, *error.number, error.low, error.high};
        },
        [](const PrintedTable1::Row& row, std::size_t r) { return row.error_cm[r]; }},
       {"steps", "Steps over the stopping threshold", "mean number of steps",
        "from the median to the 99th percentile", true,
-       [](const SweepCell& c) {
-         return FigurePoint{0.0, c.mean_iterations, c.p50_iterations, c.p99_iterations};
+       [=](std::size_t c) {
+         return FigurePoint{0.0, steps(c, "mean"), steps(c, "median"), steps(c, "p99")};
        }},
       {"answered", "Answered trials over the stopping threshold", "answered (%)", "none", false,
-       [](const SweepCell& c) {
-         return FigurePoint{0.0, 100.0 * share_of(c.answered, c.asked)};
+       [=](std::size_t c) {
+         return FigurePoint{0.0, *number(c, kSweptAnswers).number};
        }}};
   if (timings.problems > 0)
     all.push_back({"time", "Time of a solve over the stopping threshold", "time of a solve (us)", "none",
                    true,
-                   [&](const SweepCell& c) {
-                     return FigurePoint{0.0, solve_us(s, timings, c)};
+                   [&](std::size_t c) {
+                     return FigurePoint{0.0, timings.solve_us.at(c)};
                    },
                    [](const PrintedTable1::Row& row, std::size_t r) {
-                     return row.time_is_below ? SweepCell::kNone : row.time_us[r];
+                     return row.time_is_below ? kNoNumber : row.time_us[r];
                    }});
   return all;
 }
@@ -115,7 +120,7 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
   std::set<std::string> lines, left_out;
   for (std::size_t interpretation = 0; interpretation < s.interpretations(); ++interpretation)
     for (std::size_t r = 0; r < s.ranges; ++r) {
-      const SweepSetting& setting = s.cell(interpretation, 0, r).setting;
+      const SweepSetting& setting = s.cell(interpretation, 0, r);
       const std::string panel = panel_of(s, setting), line = line_of(s, setting);
       auto place = std::ranges::find(figure.panels, panel);
       if ((place == figure.panels.end() && figure.panels.size() == kMaxPanels) ||
@@ -132,8 +137,8 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
       FigureSeries series{line, FigureSeries::Style::band, {}};
       series.panel = static_cast<std::size_t>(place - figure.panels.begin());
       for (std::size_t t = 0; t < s.thresholds; ++t) {
-        FigurePoint point = quantity.of(s.cell(interpretation, t, r));
-        point.x = s.cell(interpretation, t, r).setting.threshold;
+        FigurePoint point = quantity.of(s.number_of(interpretation, t, r));
+        point.x = s.cell(interpretation, t, r).threshold;
         series.points.push_back(point);
       }
       std::ranges::sort(series.points, {}, &FigurePoint::x);

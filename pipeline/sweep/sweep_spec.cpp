@@ -391,6 +391,14 @@ Json resolved_json(const SweepSpec& given) {
   return json;
 }
 
+NumberKey SweepSetting::key() const {
+  return {
+      .condition = fmt::format("{}, {}, {}, {} to {} m", rig, joint, error_model, error_low_m, error_high_m),
+      .group = fmt::format("C = {} {}", threshold, threshold_unit),
+      .method = fmt::format("{} gradient, {}, stop {}, damping {}, start {}", gradient, curvature, stop,
+                            damping, start)};
+}
+
 SweepTrials trials_of(const SweepSpec& spec, const SweepSetting& s) {
   const SweepRig& rig = *std::ranges::find(spec.rigs, s.rig, &SweepRig::name);
   const bool is_cm = s.threshold_unit == "cm2";

@@ -108,7 +108,7 @@ Chunk solve_chunk(const SweepSpec& spec, std::size_t cell, std::uint64_t chunk, 
   return solved;
 }
 
-// The statistics of each cell; how long its trials took is left in the item's folder.
+// Leaves the numbers of each cell, and how long its trials took, in the item's folder.
 Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::path& into,
              const Watch& watch) {
   const std::uint64_t per_cell = (spec.trials + kChunkTrials - 1) / kChunkTrials;
@@ -124,16 +124,15 @@ Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::pa
     watch.check();  // cancelled from outside, chunks are left out without a word
     for (std::size_t i = 0; i < count; ++i) of_cell[(first + i) / per_cell].add(solved[i]);
   }
-  Json cells = Json::array();
+  Numbers numbers;
   SweepTimings timings{spec.name, processor_name(), 0, {}};
-  for (const Chunk& cell : of_cell) {
-    SweepCell numbers = cell_of(cell.sums);
-    numbers.setting = spec.cells[item.first + cells.size()];
-    cells.push_back(json_of(numbers));
-    timings.solve_us.push_back(cell.us / static_cast<double>(spec.trials));
+  for (std::size_t c = 0; c < of_cell.size(); ++c) {
+    numbers.add(numbers_of(of_cell[c].sums, spec.cells[item.first + c].key()));
+    timings.solve_us.push_back(of_cell[c].us / static_cast<double>(spec.trials));
   }
+  write_numbers(into, numbers);
   write_beside(into, timings);
-  return cells;
+  return {{"rows", numbers.all().size()}};
 }
 
 // The times of all items' trials, as the runs that solved them took them.
@@ -143,7 +142,7 @@ void gather_times(const SweepSpec& spec, const std::vector<Cells>& items, const 
   for (std::size_t i = 0; i < items.size(); ++i) {
     const auto of_item = read_beside<SweepTimings>(run.outcome(i).folder);
     for (std::size_t cell = 0; cell < items[i].count; ++cell)
-      all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : SweepCell::kNone);
+      all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : kNoNumber);
   }
   write_beside(folder, all);
 }
@@ -158,16 +157,10 @@ SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, 
   s.skipped = spec.skipped;
   s.thresholds = spec.thresholds.size();
   s.ranges = spec.ranges_m.size();
+  for (const SweepSetting& setting : spec.cells) s.cells.push_back({setting});
   for (std::size_t i = 0; i < items.size(); ++i) {
     const Outcome& outcome = run.outcome(i);
-    if (!outcome.json.is_array() || outcome.json.size() != items[i].count)
-      throw InputError(outcome.place(), fmt::format("must be a list of {} cells", items[i].count));
-    for (std::size_t c = 0; c < items[i].count; ++c) {
-      const JsonObject object(outcome.json[c], outcome.place(), fmt::format("/{}", c));
-      const SweepCell& cell = s.cells.emplace_back(read_as<SweepCell>(object));
-      if (cell.asked != spec.trials)
-        object.refuse("asked", fmt::format("must be {}, the trials of the study", spec.trials));
-    }
+    s.numbers.add(read_numbers(outcome.folder, outcome.json.at("rows").get<std::size_t>()));
   }
   s.claims = claims_of(s);
   return s;

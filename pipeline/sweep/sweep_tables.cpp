@@ -9,6 +9,8 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
+#include "evaluators/metrics/statistics.h"
+#include "evaluators/solvers/point_estimate.h"
 #include "pipeline/sweep/sweep_spec.h"
 
 namespace trilat {
@@ -34,25 +36,27 @@ std::string heading_of(const SweepChoice& choice) {
   return heading == "threshold unit" ? "C in" : heading;
 }
 
-double solve_us(const SweepSummary& s, const SweepTimings& timings, const SweepCell& cell) {
-  return timings.solve_us.at(static_cast<std::size_t>(&cell - s.cells.data()));
-}
-
 namespace {
 
 constexpr std::size_t kMaxCells = 200;  // in a table that is shown
 
 // Every number of every cell, with each of its settings in a column.
 Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
-  using R = SweepCell;
+  struct R : NumberKey {
+    const SweepCell* cell;
+    double time_us;
+  };
+  std::vector<R> rows;
+  for (std::size_t c = 0; c < s.cells.size(); ++c)
+    rows.push_back({s.cells[c].key(), &s.cells[c], timings.solve_us.at(c)});
   const auto word = [](std::string SweepSetting::*member) {
-    return as_text([member](const R& r) { return r.setting.*member; });
+    return as_text([member](const R& r) { return r.cell->*member; });
   };
   const auto setting = [](double SweepSetting::*member) {
-    return [member](const R& r) { return r.setting.*member; };
+    return [member](const R& r) { return r.cell->*member; };
   };
-  const auto bound_m = [](double halves) {
-    return [=](const R& r) { return r.mae_m + halves * r.mae_half_interval_m(); };
+  const auto number = [&](const char* measure, const char* statistic, int decimals = 2) {
+    return value_of(s.numbers, {.measure = measure, .statistic = statistic}, decimals);
   };
   std::vector<RowColumn<R>> columns{{"rig", "rig", word(&SweepSetting::rig)}};
   for (const SweepChoice& choice : sweep_choices())
@@ -62,27 +66,26 @@ Table sweep_table(const SweepSummary& s, const SweepTimings& timings) {
        as_number(-1, kCentimetresPerMetre, setting(&SweepSetting::error_low_m))},
       {"to (cm)", "range_high_cm", as_number(-1, kCentimetresPerMetre, setting(&SweepSetting::error_high_m))},
       {"C", "threshold", as_number(-1, setting(&SweepSetting::threshold))},
-      {"asked", "asked", as_count(&R::asked)},
-      {"n", "n", as_count(&R::answered)},
-      {"answered (%)", "coverage_percent",
-       in_percent([](const R& r) { return share_of(r.answered, r.asked); })},
-      {"mean error (cm)", "mae_cm", in_cm(&R::mae_m, bound_m(-1.0), bound_m(1.0))},
-      {"axis mean (cm)", "axis_mean_mae_cm", in_cm(&R::axis_mean_mae_m)},
-      {"RMSE (cm)", "rmse_cm", in_cm(&R::rmse_m)},
-      {"p95 (cm)", "p95_cm", in_cm(&R::p95_m)},
-      {"max (cm)", "max_cm", in_cm(&R::max_m)},
-      {"start (cm)", "start_mae_cm", in_cm(&R::start_mae_m)},
-      {"steps", "iterations", as_number(2, &R::mean_iterations)},
-      {"p50", "iterations_p50", as_number(0, &R::p50_iterations)},
-      {"p99", "iterations_p99", as_number(0, &R::p99_iterations)},
-      {"max", "iterations_max", as_number(0, &R::max_iterations)},
-      {timings.problems > 0 ? "a solve" : "a trial", "time_us",
-       as_number(3, [&](const R& r) { return solve_us(s, timings, r); })},
-      {"statuses", "statuses", as_text([](const R& r) { return statuses_text(r.statuses, r.asked); })}};
+      {"asked", "asked", count_of(s.numbers, kSweptAnswers)},
+      {"n", "n", count_of(s.numbers, kSweptError)},
+      {"answered (%)", "coverage_percent", number("answered", "share", 1)},
+      {"mean error (cm)", "mae_cm", interval_of(s.numbers, kSweptError)},
+      {"axis mean (cm)", "axis_mean_mae_cm", in_cm([&](const R& r) { return axis_mean_m(s, *r.cell); })},
+      {"RMSE (cm)", "rmse_cm", number("distance", "rms")},
+      {"p95 (cm)", "p95_cm", number("distance", "p95")},
+      {"max (cm)", "max_cm", number("distance", "max")},
+      {"start (cm)", "start_mae_cm", number("start", "mean")},
+      {"steps", "iterations", number("iterations", "mean")},
+      {"p50", "iterations_p50", number("iterations", "median", 0)},
+      {"p99", "iterations_p99", number("iterations", "p99", 0)},
+      {"max", "iterations_max", number("iterations", "max", 0)},
+      {timings.problems > 0 ? "a solve" : "a trial", "time_us", as_number(3, &R::time_us)},
+      {"statuses", "statuses",
+       as_text([&](const R& r) { return statuses_text(s.numbers, r, solve_status_names()); })}};
   columns.insert(columns.end(), numbers.begin(), numbers.end());
   Table table = table_of<R>(
       "sweep", fmt::format("Every cell of the sweep, simulated; {} trials a cell, seed {}", s.trials, s.seed),
-      s.cells, columns);
+      rows, columns);
   add_notes(table, "sweep");
   return table;
 }
@@ -92,8 +95,11 @@ std::string mean_spread_effect(const SweepSummary& s) {
   constexpr double kPapersSets = 5000.0;
   std::vector<double> shares;
   for (const SweepCell& cell : s.cells) {
+    const Number* mean = s.numbers.find(cell.key().with(kSweptError));
+    if (!mean || mean->n < 2) continue;
+    const double standard_error_m = 0.5 * (mean->high - mean->low) / student_quantile(mean->n - 1);
     const double share =
-        cell.mae_standard_error_m * std::sqrt(static_cast<double>(cell.answered) / kPapersSets) / cell.mae_m;
+        standard_error_m * std::sqrt(static_cast<double>(mean->n) / kPapersSets) / mean->value;
     if (std::isfinite(share)) shares.push_back(share);
   }
   if (shares.empty()) return {};
@@ -110,12 +116,11 @@ std::string threshold_text(const SweepSummary& s, std::size_t large, std::size_t
   std::vector<double> errors, steps;
   double answered = 1.0;
   for (std::size_t i = 0; i < s.interpretations(); ++i)
-    for (std::size_t r = 0; s.cell(i, 0, 0).setting.gradient == gradient && r < s.ranges; ++r) {
+    for (std::size_t r = 0; s.cell(i, 0, 0).gradient == gradient && r < s.ranges; ++r) {
       const SweepCell &before = s.cell(i, large, r), &after = s.cell(i, small, r);
-      answered = std::min(
-          {answered, share_of(before.answered, before.asked), share_of(after.answered, after.asked)});
-      errors.push_back(after.mae_m / before.mae_m);
-      steps.push_back(after.mean_iterations / before.mean_iterations);
+      answered = std::min({answered, s.value(before, kSweptAnswers), s.value(after, kSweptAnswers)});
+      errors.push_back(s.value(after, kSweptError) / s.value(before, kSweptError));
+      steps.push_back(s.value(after, kSweptSteps) / s.value(before, kSweptSteps));
     }
   if (!all_finite(errors) || !all_finite(steps))
     return fmt::format("some cells answer nothing with the {} gradient", gradient);
@@ -126,12 +131,12 @@ std::string threshold_text(const SweepSummary& s, std::size_t large, std::size_t
 
 std::string threshold_sentence(const SweepSummary& s) {
   std::vector<double> thresholds;
-  for (std::size_t t = 0; t < s.thresholds; ++t) thresholds.push_back(s.cell(0, t, 0).setting.threshold);
+  for (std::size_t t = 0; t < s.thresholds; ++t) thresholds.push_back(s.cell(0, t, 0).threshold);
   const auto [smallest, largest] = std::ranges::minmax_element(thresholds);
   if (*smallest == *largest)
     return fmt::format("One threshold, C = {:g}: there is nothing to compare.", *smallest);
   std::set<std::string> gradients;
-  for (const SweepCell& cell : s.cells) gradients.insert(cell.setting.gradient);
+  for (const SweepCell& cell : s.cells) gradients.insert(cell.gradient);
   std::string text;
   for (const std::string& gradient : gradients)
     text += (text.empty() ? "" : "; ") +

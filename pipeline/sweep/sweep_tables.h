@@ -43,7 +43,4 @@ std::vector<Table> table1(const SweepSummary& summary, const SweepTimings& timin
 // "error model" of error_model.
 std::string heading_of(const SweepChoice& choice);
 
-// Microseconds a solve of a cell of the summary; NaN where they are not known.
-double solve_us(const SweepSummary& summary, const SweepTimings& timings, const SweepCell& cell);
-
 }  // namespace trilat

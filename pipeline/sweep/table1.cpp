@@ -28,25 +28,23 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
   // NaN without this interpretation.
   const auto of_cell = [&s](Reading interpretation, auto get) {
     return [=, &s](const Place& p) {
-      return interpretation ? std::invoke(get, s.cell(*interpretation, p.threshold, p.range))
-                            : SweepCell::kNone;
+      return interpretation ? get(s.number_of(*interpretation, p.threshold, p.range)) : kNoNumber;
     };
   };
-  const auto error = [&](Reading interpretation) {
-    return in_cm(of_cell(interpretation, &SweepCell::mae_m));
+  const auto number = [&](Reading interpretation, const NumberKey& what) {
+    return of_cell(interpretation, [&s, what](std::size_t cell) { return s.value(s.cells[cell], what); });
   };
+  const auto error = [&](Reading interpretation) { return in_cm(number(interpretation, kSweptError)); };
   const auto time = [&](Reading interpretation) {
-    return as_number(2, of_cell(interpretation, [&](const SweepCell& c) {
-                       return timings.problems > 0 ? solve_us(s, timings, c) : SweepCell::kNone;
+    return as_number(2, of_cell(interpretation, [&](std::size_t cell) {
+                       return timings.problems > 0 ? timings.solve_us.at(cell) : kNoNumber;
                      }));
   };
   const auto steps = [&](Reading interpretation) {
-    return as_number(1, of_cell(interpretation, &SweepCell::mean_iterations));
+    return as_number(1, number(interpretation, kSweptSteps));
   };
   const auto answered = [&](Reading interpretation) {
-    return as_number(1, of_cell(interpretation, [](const SweepCell& c) {
-                       return 100.0 * static_cast<double>(c.answered) / static_cast<double>(c.asked);
-                     }));
+    return in_percent(number(interpretation, kSweptAnswers));
   };
   const auto paper_time = [&](const Place& p) {
     const PrintedTable1::Row& row = paper.rows[p.threshold];
@@ -54,7 +52,7 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
                              : TableValue::of(row.time_us[p.range], -1);
   };
   Table table = table_of<Place>(
-      usable_id("table1-" + s.cell(*interpretations.printed, 0, 0).setting.rig),
+      usable_id("table1-" + s.cell(*interpretations.printed, 0, 0).rig),
       {"Table I: propagation error, time and iterations, the paper's beside ours, simulated",
        fmt::format("{}; {} trials a cell, seed {}", interpretations.name, s.trials, s.seed)},
       rows,
@@ -92,7 +90,7 @@ std::string family_name(const SweepSetting& s) {
 std::map<std::string, Table1Interpretations> interpretations_by_name(const SweepSummary& s) {
   std::map<std::string, Table1Interpretations> all;
   for (std::size_t k = 0; k < s.interpretations(); ++k) {
-    const SweepSetting& setting = s.cell(k, 0, 0).setting;
+    const SweepSetting& setting = s.cell(k, 0, 0);
     Table1Interpretations& interpretations = all[family_name(setting)];
     if (setting.gradient == "printed" && setting.stop == "printed") interpretations.as_printed = k;
     if (setting.gradient == "printed" && setting.stop == "objective") interpretations.printed = k;
@@ -108,7 +106,7 @@ bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
   bool all = true;
   for (std::size_t t = 0; t < paper.rows.size(); ++t)
     for (std::size_t r = 0; r < paper.ranges_cm.size(); ++r) {
-      const SweepSetting& setting = s.cell(0, t, r).setting;
+      const SweepSetting& setting = s.cell(0, t, r);
       all &= same(setting.threshold, paper.rows[t].threshold) &&
              same(setting.error_low_m * kCentimetresPerMetre, paper.ranges_cm[r][0]) &&
              same(setting.error_high_m * kCentimetresPerMetre, paper.ranges_cm[r][1]);

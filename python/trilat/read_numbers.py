@@ -30,11 +30,11 @@ def numbers(folder: str | os.PathLike, **keys: str) -> list[dict]:
         if not text.endswith("\n") or any(None in row or None in row.values() for row in read):
             raise ValueError("a row is cut")
         if len(read) != stated:
-            raise ValueError(f"has {len(read)} of the {stated} numbers that summary.json states")
+            raise ValueError(f"has {len(read)} numbers, and {stated} were written")
         return [{**row, **{key: _value(row[key], kind) for key, kind in VALUES.items()}} for row in read
                 if all(row[key] == value for key, value in wanted.items())]
     except OSError as error:
-        raise InputError(path, "cannot be read; a folder that `trilat run` of an accuracy study wrote is expected") from error
+        raise InputError(path, "cannot be read; a results folder that `trilat run` wrote is expected") from error
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(path, f"is damaged: {error}; make the results again") from error
 

@@ -102,8 +102,8 @@ TEST(Numbers, DamageIsNamedWithItsRow) {
   const std::string whole = read_file(folder / kNumbersFile, 10'000);
   EXPECT_EQ(damage_of(whole, 1), "was read");
   EXPECT_THAT(damage_of(whole.substr(0, whole.size() - 3), 1), HasSubstr("numbers.csv:2: is cut"));
-  EXPECT_THAT(damage_of(written(), 4), HasSubstr("has 3 of the 4 numbers that summary.json states"));
-  EXPECT_THAT(damage_of(written(), 2), HasSubstr("has 3 of the 2 numbers"));
+  EXPECT_THAT(damage_of(written(), 4), HasSubstr("has 3 numbers, and 4 were written"));
+  EXPECT_THAT(damage_of(written(), 2), HasSubstr("has 3 numbers, and 2 were written"));
   EXPECT_THAT(damage_of(written() + written().substr(written().find("walking"))),
               HasSubstr("numbers.csv:5: repeats a number that stands above"));
   EXPECT_THAT(damage_of(with(",m,0.1", ",cm,0.1")),
@@ -114,7 +114,7 @@ TEST(Numbers, DamageIsNamedWithItsRow) {
   EXPECT_THAT(damage_of(with("0.3,", "inf,")), HasSubstr("numbers.csv:2: high is \"inf\""));
   EXPECT_THAT(damage_of(with(",1234,", ",-1,")), HasSubstr("numbers.csv:2: n is \"-1\"; it must be a count"));
   EXPECT_THAT(damage_of(with("condition,", "Condition,")), HasSubstr("numbers.csv:1: must be the line"));
-  EXPECT_THAT(damage_of(""), HasSubstr("has 0 of the 3 numbers"));
+  EXPECT_THAT(damage_of(""), HasSubstr("has 0 numbers, and 3 were written"));
 }
 
 }  // namespace

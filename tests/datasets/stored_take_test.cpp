@@ -22,8 +22,8 @@ TEST(Summary, ANoteThatIsNotUtf8IsStillWritten) {
   ResultsSummary summary;
   summary.alignments = {"mean"};
   summary.notes = {{"a", true, "a.csv", "it holds marker:T\xeate"}};
-  write_summary(folder.path(), summary);
-  EXPECT_THAT(read_summary(folder.path()).notes.at(0).text, HasSubstr("marker:T"));
+  write_results(folder.path(), summary);
+  EXPECT_THAT(read_results<ResultsSummary>(folder.path()).notes.at(0).text, HasSubstr("marker:T"));
 }
 
 TakeHead small_head() {

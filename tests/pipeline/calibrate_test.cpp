@@ -449,7 +449,7 @@ TEST(RunVerbCalibration, TheCalibrationNamedOnTheCommandLineIsUsed) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Ended ended = run_trilat(folder, arguments);
     EXPECT_EQ(ended.code, 0) << ended.err;
-    const ResultsSummary summary = read_summary(folder / "results");
+    const ResultsSummary summary = read_results<ResultsSummary>(folder / "results");
     const auto cell = find_cell(summary, method, "walking", "shoulder", "none");
     return cell ? cell->rmse_m : std::nan("");
   };

@@ -12,10 +12,11 @@
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
 #include "datasets/depth/depth_rays.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/table.h"
 #include "evaluators/wand/find_wand.h"
 #include "pipeline/calibration_study/calibration_errors.h"
-#include "pipeline/calibration_study/error_spread.h"
+#include "pipeline/calibration_study/calibration_numbers.h"
 #include "recorders/open_source.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/program.h"
@@ -27,6 +28,7 @@ namespace {
 
 using testing::AllOf;
 using testing::Each;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Lt;
 using testing::SizeIs;
@@ -40,7 +42,7 @@ TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
   EXPECT_NEAR(means.left, 0.02, 1e-12);
   EXPECT_NEAR(means.middle, 0.01, 1e-12);
   EXPECT_NEAR(means.right, 0.02, 1e-12);
-  EXPECT_NEAR(means.edge_to_middle(), 2.0, 1e-9);
+  EXPECT_NEAR(means.edge, 0.02, 1e-12);
 }
 
 // 1 to 5 mm: the mean is 3, the squares about it add up to 10; quantiles interpolate between neighbours.
@@ -87,6 +89,70 @@ TEST(ErrorSpread, AnIntervalIsBetweenClusters) {
   EXPECT_NEAR(spread.mean_high_m, 0.0025 + 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
 }
 
+// Two sensors and three places: two within the paper's recommended range, one too near, where one sensor has
+// no answer and the other one takes another thing for the ball.
+TEST(CalibrationNumbers, OfABallByPencil) {
+  WandRecording wand;
+  wand.name = "bench";
+  wand.ball_radius_m = 0.1;
+  const std::size_t ours = wand_method("ours");
+  wand.statuses.resize(wand_method_names().size());
+  wand.statuses[ours] = {{"found", 5}, {"nothing", 1}};
+  for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+    const double more_m = 0.01 * static_cast<double>(sensor);
+    wand.samples.push_back({ours, sensor, 0, 1.0, 0.1, 0.01 + more_m, 0.02 + more_m});
+    wand.samples.push_back({ours, sensor, 1, 3.0, 0.2, 0.03 + more_m, 0.04 + more_m});
+    wand.samples.push_back(
+        {ours, sensor, 2, 0.4, 0.1, sensor == 1 ? 0.5 : kNotMeasured, sensor == 1 ? 0.5 : kNotMeasured});
+  }
+  wand.poses = {{"refined", "k1", 0.01, 0.02, 0.03, 0.04}, {"refined", "k2", 0.03, 0.02, 0.03, 0.04}};
+  WallRow wall{"wall", "k1", 2.0, 2.01, 0.05, 7, 0.001, std::vector<double>(512, 0.02), {}};
+  wall.residual_m[200] = 0.05;
+  wall.printed_error_m = wall.residual_m;
+  const Numbers numbers = calibration_numbers({{wand}, {wall}});
+  const auto number = [&](const std::string& group, const char* measure, const char* statistic) {
+    const Number* found = numbers.find(
+        {.condition = "bench", .group = group, .method = "ours", .measure = measure, .statistic = statistic});
+    EXPECT_TRUE(found) << group << measure << statistic;
+    return found ? *found : Number{};
+  };
+  EXPECT_NEAR(number(kInside, "ball_distance", "mean").value, 0.025, 1e-15);
+  EXPECT_EQ(number(kInside, "ball_distance", "mean").n, 4u);
+  EXPECT_EQ(number(kInside, "ball_distance", "mean").clusters, 2u);
+  EXPECT_NEAR(number(kInside, "ball_position", "mean").value, 0.035, 1e-15);
+  EXPECT_EQ(number(kInside, "answered", "share").n, 4u);
+  EXPECT_EQ(number(kAllPlaces, "answered", "share").value, 5.0 / 6.0);
+  EXPECT_EQ(number(kNear, "answered", "share").value, 0.5);
+  EXPECT_EQ(number(kNear, "ball_distance", "max").value, 0.5);
+  EXPECT_EQ(number("distance below 0.5 m", "ball_distance", "mean").n, 1u);
+  EXPECT_EQ(number("distance 3 to 3.75 m", "ball_distance", "mean").n, 2u);  // an edge is of the bin above
+  EXPECT_EQ(number("angle 9 to 18 degrees", "ball_distance", "mean").n, 2u);
+  EXPECT_EQ(number(kAllPlaces, "status", "another_thing").n, 1u);
+  EXPECT_EQ(number(kAllPlaces, "status", "found").value, 5.0 / 6.0);
+  const auto pose = [&](const char* sensor, const char* measure, const char* statistic) {
+    return numbers.value({.condition = "bench",
+                          .group = sensor,
+                          .method = "refined",
+                          .measure = measure,
+                          .statistic = statistic});
+  };
+  EXPECT_EQ(pose("k2", "pose", "difference"), 0.03);
+  EXPECT_EQ(pose("k1", "rotation", "difference"), 0.02);
+  EXPECT_EQ(pose("k1", "pose", "sigma"), 0.03);
+  EXPECT_EQ(pose("k1", "rotation", "sigma"), 0.04);
+  EXPECT_EQ(numbers.value({.method = "refined", .measure = "pose", .statistic = "mean_difference"}), 0.02);
+  const auto of_wall = [&](const char* measure, const char* statistic) {
+    return numbers.value({.condition = "wall", .group = "k1", .measure = measure, .statistic = statistic});
+  };
+  EXPECT_EQ(of_wall("wall", "distance"), 2.01);
+  EXPECT_EQ(of_wall("wall", "stated"), 2.0);
+  EXPECT_EQ(of_wall("wall", "noise"), 0.001);
+  EXPECT_EQ(of_wall("tilt", "mean"), 0.05);
+  EXPECT_EQ(of_wall("residual", "max"), 0.05);
+  EXPECT_NEAR(of_wall("residual", "middle"), (200 * 0.02 + 0.05) / 201, 1e-12);
+  EXPECT_NEAR(of_wall("sideways", "edge"), 0.02, 1e-12);
+}
+
 // Sensors whose depth is only rounded to millimetres, at a bench.
 SimulationSpec exact_bench(std::uint64_t places) {
   SimulationSpec spec = walking_spec(1, 0.2);
@@ -100,11 +166,35 @@ SimulationSpec exact_bench(std::uint64_t places) {
   return spec;
 }
 
-CalibrationSummary summary_of(const std::filesystem::path& folder, const Campaign& campaign) {
+void run_study(const std::filesystem::path& folder, const Campaign& campaign) {
   const char* const study = R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "c"})";
   const CalibrationSpec spec = parse_calibration_spec(parse_json(study, "study.json"), "study.json", {});
   run_calibration(spec, campaign, folder, {});
-  return read_results<CalibrationSummary>(folder);
+}
+
+// The recordings of a ball that a study evaluated, as its items keep them.
+std::vector<WandRecording> wands_in(const std::filesystem::path& folder) {
+  std::vector<WandRecording> wands;
+  for (const auto& [id, key] : read_item_keys(folder))
+    if (!id.starts_with("walls/"))
+      wands.push_back(read_as<WandRecording>(JsonObject(ItemStore(folder).find(key)->outcome, id, "")));
+  return wands;
+}
+
+// Two walls of one name in two folders are two recordings.
+TEST(CalibrationStudy, RecordingsOfOneNameAreToldApart) {
+  const ScratchFolder folder;
+  DepthScene wall;
+  wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -2.0});
+  Campaign campaign{"walls", false, {}};
+  for (const char* room : {"a", "b"}) {
+    std::filesystem::create_directories(folder / room);
+    record(folder / room / "wall.h5", {RigidTransform{}}, {wall}, header_of(1));
+    campaign.walls.push_back({folder / room / "wall.h5"});
+  }
+  run_study(folder / "out", campaign);
+  const auto summary = read_results<CalibrationSummary>(folder / "out");
+  EXPECT_THAT(summary.recordings, ElementsAre("wall", "wall (2)"));
 }
 
 std::vector<WandSample> samples_of(const WandRecording& recording, const std::string& method) {
@@ -122,20 +212,21 @@ bool is_inside(const WandSample& sample) {
 TEST(StatedDistances, AreFoundByOursAndBeforeAFarWallByTheMidRange) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "c", exact_bench(24));
-  const CalibrationSummary summary = summary_of(folder / "out", campaign);
-  ASSERT_THAT(summary.wands, SizeIs(2));
-  EXPECT_EQ(summary.wands[0].name, "bench_far_wall");
-  EXPECT_EQ(summary.wands[1].name, "bench_room");
+  run_study(folder / "out", campaign);
+  const auto summary = read_results<CalibrationSummary>(folder / "out");
+  EXPECT_THAT(summary.recordings, ElementsAre("bench_far_wall", "bench_room"));
   EXPECT_TRUE(summary.simulated);
+  const std::vector<WandRecording> wands = wands_in(folder / "out");
+  ASSERT_THAT(wands, SizeIs(2));
   std::array<int, 4> found{};  // far wall and room by ours, by the mid-range
   for (std::size_t w = 0; w < 2; ++w)
     for (const char* method : {"ours", "corrected by the mid-range"}) {
-      const std::vector<WandSample> samples = samples_of(summary.wands[w], method);
+      const std::vector<WandSample> samples = samples_of(wands[w], method);
       ASSERT_THAT(samples, SizeIs(2 * 24));
       for (const WandSample& sample : samples)
         found[2 * (method[0] == 'c') + w] += sample.distance_error_m < 0.02 && is_inside(sample);
     }
-  const auto far = static_cast<int>(std::ranges::count_if(samples_of(summary.wands[0], "ours"), is_inside));
+  const auto far = static_cast<int>(std::ranges::count_if(samples_of(wands[0], "ours"), is_inside));
   EXPECT_EQ(found[0], far);
   EXPECT_GE(4 * found[1], 3 * far);  // the person stands before some
   EXPECT_EQ(found[2], far);
@@ -155,9 +246,9 @@ TEST(StatedDistances, AnErrorIsThatOfTheDistanceOnTheFile) {
                         (place.last - start).seconds(), place.sensor + 1, place.distance_m - 0.1);
   }
   write_file(places, text);
-  const CalibrationSummary summary = summary_of(folder / "out", campaign);
+  run_study(folder / "out", campaign);
   std::size_t compared = 0;
-  for (const WandSample& sample : samples_of(summary.wands[0], "ours")) {
+  for (const WandSample& sample : samples_of(wands_in(folder / "out").at(0), "ours")) {
     if (std::isnan(sample.distance_error_m)) continue;
     EXPECT_NEAR(sample.distance_error_m, 0.1, 0.004);
     EXPECT_TRUE(std::isnan(sample.error_m));
@@ -240,7 +331,7 @@ TEST(StatedDistances, ThoseOfSomethingElseAreRefusedOrRemarkedOn) {
   };
   EXPECT_THAT(measured(0.0, false, kDegreesPerRad).notes, SizeIs(0));
   EXPECT_THAT(measured(-0.075, false, kDegreesPerRad).notes,
-              testing::ElementsAre(HasSubstr("the ball is found 7.5 cm farther than stated")));
+              ElementsAre(HasSubstr("the ball is found 7.5 cm farther than stated")));
   EXPECT_THAT(message_of([&] { measured(0.9, false, kDegreesPerRad); }),
               AllOf(HasSubstr("places.csv"), HasSubstr("sensor \"k1\""),
                     HasSubstr("by 0.90 m, the median of 4 places; are the times")));
@@ -356,7 +447,7 @@ TEST(WallErrors, APlaneIsFoundWithItsDistanceAndTilt) {
   DepthScene wall;
   wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -2.0});
   record(folder / "wall.h5", {RigidTransform{{}, {0.0, 1.0, 0.0}}, turned}, {wall}, header_of(2));
-  const WallRecording recording = measure_wall({folder / "wall.h5", 2.0}, "wall", {});
+  const WallRecording recording = measure_wall({folder / "wall.h5", 2.0}, {});
   ASSERT_THAT(recording.rows, SizeIs(2));
   const WallRow &square = recording.rows[0], &tilted = recording.rows[1];
   EXPECT_NEAR(square.distance_m, 2.0, 1e-6);
@@ -386,11 +477,11 @@ TEST(WallErrors, WhatIsNoFlatWallAtThatDistanceIsRefused) {
   record(folder / "wall.h5", rig, {wall}, header_of(1));
   record(folder / "person.h5", rig, {ball_in_room({0.0, 1.0, 0.9}, 0.3)}, header_of(1));
   for (const char* file : {"corner.h5", "person.h5"})
-    EXPECT_THAT(message_of([&] { measure_wall({folder / file}, "wall", {}); }),
+    EXPECT_THAT(message_of([&] { measure_wall({folder / file}, {}); }),
                 AllOf(HasSubstr(file), HasSubstr("k1"), HasSubstr("sees no flat wall"),
                       HasSubstr("80 % are needed")));
   EXPECT_THAT(message_of([&] {
-                measure_wall({folder / "wall.h5", 3.0}, "wall", {});
+                measure_wall({folder / "wall.h5", 3.0}, {});
               }),
               AllOf(HasSubstr("sees the wall at 2.00 m"), HasSubstr("\"distance_m\" is 3")));
 }
@@ -424,8 +515,12 @@ TEST(CalibrationStudy, ARecordingThatCannotBeEvaluatedIsNamed) {
   EXPECT_EQ(some.code, 1);
   EXPECT_THAT(some.err, AllOf(HasSubstr("failed: wand: "), HasSubstr("never sees the ball")));
   const auto summary = read_results<CalibrationSummary>(folder / "some");
-  EXPECT_THAT(summary.failed, testing::ElementsAre(HasSubstr("wand: ")));
-  EXPECT_THAT(summary.walls, SizeIs(2));
+  EXPECT_THAT(summary.failed, ElementsAre(HasSubstr("wand: ")));
+  EXPECT_THAT(summary.recordings, ElementsAre("wall"));
+  for (const char* sensor : {"k1", "k2"})
+    EXPECT_NEAR(summary.numbers.value(
+                    {.condition = "wall", .group = sensor, .measure = "wall", .statistic = "distance"}),
+                2.0, 0.005);
   record(folder / "walk/session.h5", rig_of(2), {wall}, header_of(2));
   expect_refused(run("walk", "nothing"), "has no recording to calibrate by");
   EXPECT_EQ(run("rig/wall/session.h5", "alone").code, 0);

@@ -261,7 +261,7 @@ TEST(Claims, TwoResultsOfOneStudyAreAnError) {
   const MadeStudy study = walking({{"nonlinear", {4.0, 5.0, 6.0}}});
   for (const char* name : {"one", "other"}) {
     std::filesystem::create_directories(folder / name);
-    write_summary(folder / name, study.names);
+    write_results(folder / name, study.names);
   }
   EXPECT_TRUE(judge_paper({folder / "one"}));
   EXPECT_THAT(message_of([&] {

@@ -11,34 +11,67 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/clocks/clocks_study.h"
+#include "pipeline/clocks/clocks_summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
 namespace {
 
-using testing::Each;
+Numbers numbers_of(const std::vector<std::vector<double>>& units_s) {
+  std::vector<UnitErrors> units;
+  for (const std::vector<double>& errors_s : units_s)
+    units.push_back({"walk", "k" + std::to_string(units.size() + 1), errors_s});
+  Numbers numbers;
+  add_clock_errors("none", units, numbers);
+  return numbers;
+}
 
-// One time on the lower edge of each range, and a NaN.
-TEST(SpreadTimes, RangesBeginOnTheirEdges) {
-  const TimeSpread spread =
-      spread_times({0.0, 0.002, 0.004, 0.011, 0.022, 0.033, std::numeric_limits<double>::quiet_NaN()});
-  EXPECT_EQ(spread.n, 6u);
-  EXPECT_THAT(spread.bins, Each(1u));
-  EXPECT_EQ(spread_times({0.0019999, 0.0329999, 5.0}).bins, (TimeSpread{3, {1, 0, 0, 0, 1, 1}}.bins));
+double number_in(const Numbers& numbers, const char* statistic, const NumberKey& more = {}) {
+  return numbers.value(
+      NumberKey{.method = "none", .measure = "clock_error", .statistic = statistic}.with(more));
+}
+
+// One error on the lower edge of each range, and one that is not known: ranges begin on their edges.
+TEST(ClockErrors, RangesBeginOnTheirEdges) {
+  const Numbers edges = numbers_of({{0.0, -0.002, 0.004, 0.011, -0.022, 0.033, kNoNumber, kNoNumber}});
+  for (const TimeRange& range : kTimeRanges) EXPECT_EQ(number_in(edges, range.share), 0.125) << range.share;
+  EXPECT_EQ(number_in(edges, kShareBelow4ms), 0.25);
+  const Numbers inside = numbers_of({{0.0019999, 0.0329999, -5.0, 0.0039999}});
+  EXPECT_EQ(number_in(inside, "share_below_2ms"), 0.25);
+  EXPECT_EQ(number_in(inside, "share_from_2_to_4ms"), 0.25);
+  EXPECT_EQ(number_in(inside, "share_from_22_to_33ms"), 0.25);
+  EXPECT_EQ(number_in(inside, "share_from_33ms"), 0.25);
 }
 
 // 0 to 1000 ms in steps of one: quantiles are the numbers themselves.
-TEST(SpreadTimes, QuantilesByPencil) {
-  std::vector<double> times_s;
-  for (int i = 1000; i >= 0; --i) times_s.push_back(1e-3 * i);
-  const TimeSpread spread = spread_times(times_s);
-  EXPECT_NEAR(spread.median_s, 0.5, 1e-12);
-  EXPECT_NEAR(spread.p95_s, 0.95, 1e-12);
-  EXPECT_NEAR(spread.p99_s, 0.99, 1e-12);
-  EXPECT_NEAR(spread.p999_s, 0.999, 1e-12);
-  EXPECT_NEAR(spread.max_s, 1.0, 1e-12);
-  EXPECT_TRUE(std::isnan(spread_times({}).median_s));
+TEST(ClockErrors, QuantilesByPencil) {
+  std::vector<double> errors_s;
+  for (int i = 1000; i >= 0; --i) errors_s.push_back((i % 2 ? -1e-3 : 1e-3) * i);
+  const Numbers numbers = numbers_of({errors_s});
+  EXPECT_NEAR(number_in(numbers, "median"), 0.5, 1e-12);
+  EXPECT_NEAR(number_in(numbers, "p95"), 0.95, 1e-12);
+  EXPECT_NEAR(number_in(numbers, "p99"), 0.99, 1e-12);
+  EXPECT_NEAR(number_in(numbers, "p999"), 0.999, 1e-12);
+  EXPECT_NEAR(number_in(numbers, "max"), 1.0, 1e-12);
+  EXPECT_TRUE(numbers_of({{kNoNumber}}).all().empty());
+}
+
+// Two computers, one of which is always below 4 ms; the interval is over them.
+TEST(ClockErrors, SharesOfEachComputerAndOfAllByPencil) {
+  const Numbers numbers = numbers_of({{0.001, 0.003, 0.003, 0.003}, {0.001, 0.001, 0.005, kNoNumber}});
+  EXPECT_EQ(number_in(numbers, "share_below_2ms", {.group = "k1", .take = "walk"}), 0.25);
+  EXPECT_EQ(number_in(numbers, "share_below_2ms", {.group = "k2", .take = "walk"}), 0.5);
+  EXPECT_EQ(number_in(numbers, kShareBelow4ms, {.group = "k2", .take = "walk"}), 0.5);
+  EXPECT_EQ(number_in(numbers, "share_below_2ms"), 0.375);
+  EXPECT_EQ(number_in(numbers, kShareBelow4ms), 0.75);
+  EXPECT_EQ(number_in(numbers, "share_of_units_below_4ms"), 0.5);
+  const Number* all =
+      numbers.find({.method = "none", .measure = "clock_error", .statistic = "share_below_2ms"});
+  EXPECT_EQ(all->n, 8u);
+  EXPECT_EQ(all->clusters, 2u);
+  EXPECT_LT(all->low, 0.25);
+  EXPECT_GT(all->high, 0.5);
 }
 
 // A client 10 ms ahead; a message takes 1 ms there and back; one frame, 2 ms on its way.

@@ -31,7 +31,7 @@ std::filesystem::path results_of(const ScratchFolder& folder, const std::string&
              10, 10, 0.01 * errors_cm[p]},
             s);
   std::filesystem::create_directories(folder / name);
-  write_summary(folder / name, s);
+  write_results(folder / name, s);
   return folder / name;
 }
 

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
 
 #include "pipeline/gate/compare_results.h"
 
@@ -12,89 +11,111 @@ namespace {
 using testing::IsEmpty;
 using testing::SizeIs;
 
-Json document_with(double mae_m, double digits) {
-  return {{"study", "sweep"},
-          {"cells",
-           {{{"method", "a"}, {"mae_m", mae_m}, {"mean_digits", 9.0}},
-            {{"method", "b"}, {"mae_m", 0.1}, {"mean_digits", digits}}}}};
+using Rows = std::vector<Number>;
+
+Number row(const char* measure, const char* statistic, double value, const char* method = "a") {
+  return {{.group = "head", .method = method, .measure = measure, .statistic = statistic}, value};
 }
 
-std::vector<GateFinding> changes(const Json& before, const Json& now) {
+GateReport compared(const Rows& before, const Rows& now, NumberRule rule = NumberRule::judge) {
+  Numbers was, is;
+  for (const Number& number : before) was.add(number);
+  for (const Number& number : now) is.add(number);
   GateReport report;
-  compare_numbers("sweep", before, now, true, {}, report);
-  return report.findings;
+  compare_numbers("sweep", was, is, rule, {}, report);
+  return report;
 }
 
-TEST(GateNumbers, WhatDiffersByMoreThanTheSmallestEffectIsAnAlarm) {
-  std::vector<GateFinding> found = changes(document_with(0.1, 9.0), document_with(0.11, 9.0));
-  ASSERT_THAT(found, SizeIs(1));
-  EXPECT_TRUE(found[0].alarm);
-  EXPECT_NEAR(found[0].percent, 10.0, 1e-9);
-  EXPECT_EQ(found[0].what, "/cells/a/mae_m");
-  found = changes(document_with(0.1, 9.0), document_with(0.09, 8.0));
-  ASSERT_THAT(found, SizeIs(2));  // in either direction, the smaller change last
-  EXPECT_NEAR(found[0].percent, -100.0 / 9.0, 1e-9);
-  EXPECT_EQ(found[1].what, "/cells/a/mae_m");
-  EXPECT_NEAR(found[1].percent, -10.0, 1e-9);
+TEST(GateNumbers, WhatIsWorseByMoreThanTheSmallestEffectIsAnAlarm) {
+  const Rows before{row("distance", "p95", 0.1), row("answered", "share", 0.9)};
+  GateReport report = compared(before, {row("distance", "p95", 0.11), row("answered", "share", 0.9)});
+  ASSERT_THAT(report.findings, SizeIs(1));
+  EXPECT_TRUE(report.findings[0].alarm);
+  EXPECT_NEAR(report.findings[0].percent, 10.0, 1e-9);
+  EXPECT_EQ(report.findings[0].what, "distance p95, a, head");
+  EXPECT_EQ(report.findings[0].unit, "m");
+  EXPECT_EQ(report.looked_at, 2u);
+  report = compared(before, {row("distance", "p95", 0.09), row("answered", "share", 0.8)});
+  ASSERT_THAT(report.findings, SizeIs(2));  // the alarm first
+  EXPECT_EQ(report.findings[0].what, "answered share, a, head");
+  EXPECT_EQ(report.findings[0].direction, Direction::worse);
+  EXPECT_TRUE(report.findings[0].alarm);
+  EXPECT_EQ(report.findings[1].direction, Direction::better);
+  EXPECT_FALSE(report.findings[1].alarm);
+  for (const GateFinding& f :
+       compared(before, {row("distance", "p95", 0.2), row("answered", "share", 0.1)}, NumberRule::list)
+           .findings)
+    EXPECT_FALSE(f.alarm) << f.what;
+}
+
+TEST(GateNumbers, WhatIsNeitherBetterNorWorseIsListed) {
+  const GateReport report = compared({row("status", "converged", 0.5), row("x", "bias", 0.01)},
+                                     {row("status", "converged", 0.6), row("x", "bias", -0.01)});
+  ASSERT_THAT(report.findings, SizeIs(2));
+  for (const GateFinding& f : report.findings) {
+    EXPECT_EQ(f.direction, Direction::changed) << f.what;
+    EXPECT_FALSE(f.alarm) << f.what;
+  }
 }
 
 TEST(GateNumbers, WhatDiffersByLessThanItsLimitIsCountedAndNotListed) {
-  GateReport report;
-  compare_numbers("sweep", document_with(0.1, 9.0), document_with(0.1005, 9.08), true, {}, report);
-  EXPECT_THAT(report.findings, testing::IsEmpty());
-  EXPECT_EQ(report.within_limits, 2u);
-  compare_numbers("sweep", document_with(0.1, 9.0), document_with(0.1 + 1e-12, 9.0), true, {}, report);
-  EXPECT_EQ(report.within_limits, 2u);  // the same number
-  Numbers before, now;
-  const NumberKey key{.group = "head", .method = "a", .measure = "distance"};
-  for (const auto& [statistic, was, is] :
-       {std::tuple{"median", 0.1, 0.1005}, {"p95", 0.2, 0.22}, {"rms", 0.1, 0.1}}) {
-    before.add({key.with({.statistic = statistic}), was});
-    now.add({key.with({.statistic = statistic}), is});
-  }
-  report = {};
-  list_numbers("walks", before, now, {}, report);
+  GateReport report = compared(
+      {row("distance", "median", 0.1), row("distance", "p95", 0.2), row("distance", "rms", 0.1)},
+      {row("distance", "median", 0.1005), row("distance", "p95", 0.22), row("distance", "rms", 0.1 + 1e-12)});
   ASSERT_THAT(report.findings, SizeIs(1));
   EXPECT_EQ(report.findings[0].what, "distance p95, a, head");
-  EXPECT_EQ(report.findings[0].unit, "m");
   EXPECT_EQ(report.within_limits, 1u);
   EXPECT_EQ(report.looked_at, 3u);
 }
 
-TEST(GateNumbers, RowsAreComparedByName) {
-  Json now = document_with(0.1, 9.0);
-  now["cells"].insert(now["cells"].begin(), Json({{"method", "new"}, {"mae_m", 0.3}}));
-  const auto found = changes(document_with(0.1, 9.0), now);
-  ASSERT_THAT(found, SizeIs(1));
-  EXPECT_EQ(found[0].what, "/cells/new");
+TEST(GateNumbers, RowsAreComparedByTheirKeys) {
+  const GateReport report = compared({row("distance", "p95", 0.1)},
+                                     {row("distance", "p95", 0.3, "new"), row("distance", "p95", 0.1)});
+  ASSERT_THAT(report.findings, SizeIs(1));
+  EXPECT_EQ(report.findings[0].what, "distance p95, new, head");
+  EXPECT_FALSE(report.findings[0].alarm);
 }
 
 // Of nothing there is no share: 0 to 1e-18 is no change, and 0 to a length is one without a percentage.
 TEST(GateNumbers, NearZeroAChangeIsAbsolute) {
-  const auto found = changes(document_with(0.0, 0.0), document_with(1e-18, 1e-18));
-  for (const GateFinding& f : found) EXPECT_FALSE(f.alarm) << f.what;
-  const auto larger = changes(document_with(0.0, 9.0), document_with(0.02, 9.0));
-  ASSERT_THAT(larger, SizeIs(1));
-  EXPECT_TRUE(larger[0].alarm);
-  EXPECT_TRUE(std::isnan(larger[0].percent));
+  EXPECT_THAT(compared({row("distance", "p95", 0.0)}, {row("distance", "p95", 1e-18)}).findings, IsEmpty());
+  const GateReport larger = compared({row("distance", "p95", 0.0)}, {row("distance", "p95", 0.02)});
+  ASSERT_THAT(larger.findings, SizeIs(1));
+  EXPECT_TRUE(larger.findings[0].alarm);
+  EXPECT_TRUE(std::isnan(larger.findings[0].percent));
 }
 
-TEST(GateNumbers, BoundsAndBookkeepingAreNoNews) {
-  const Json before{
-      {"mae_m", 0.1}, {"mae_low_m", 0.05}, {"mae_high_m", 0.2}, {"mean_iterations", 4.0}, {"p05_m", 0.01}};
-  const Json now{
-      {"mae_m", 0.1}, {"mae_low_m", 0.01}, {"mae_high_m", 0.4}, {"mean_iterations", 9.0}, {"p05_m", 0.05}};
-  EXPECT_THAT(changes(before, now), IsEmpty());
+// Numbers of one take, and those that say how sure others are.
+TEST(GateNumbers, OfOneTakeAndOfIntervalsAreNoNews) {
+  Number of_take = row("distance", "p95", 0.1);
+  of_take.take = "t1";
+  Number changed = of_take;
+  changed.value = 0.2;
+  EXPECT_THAT(
+      compared({of_take, row("iterations", "mean", 4.0), row("x", "sd", 0.1), row("distance", "p25", 0.1)},
+               {changed, row("iterations", "mean", 9.0), row("x", "sd", 0.2), row("distance", "p25", 0.2)})
+          .findings,
+      IsEmpty());
 }
 
-TEST(GateNumbers, AValueThatIsNotThereAnyMoreOrIsAnotherKindIsAnAlarm) {
-  Json now = document_with(0.1, 9.0);
-  now["cells"][0]["mae_m"] = nullptr;
-  now["cells"][1].erase("mean_digits");
-  now["study"] = "other";
-  const auto found = changes(document_with(0.1, 9.0), now);
-  ASSERT_THAT(found, SizeIs(3));
-  for (const GateFinding& finding : found) EXPECT_TRUE(finding.alarm) << finding.what;
+// Mean errors and answers of an accuracy study are judged by its takes.
+TEST(GateNumbers, WhatTakesJudgeIsNotListedAgain) {
+  const Rows before{row("distance", "mean", 0.1), row("answered", "share", 0.9), row("distance", "p95", 0.2)},
+      now{row("distance", "mean", 0.2), row("answered", "share", 0.5), row("distance", "p95", 0.3)};
+  const GateReport report = compared(before, now, NumberRule::list_rest);
+  ASSERT_THAT(report.findings, SizeIs(1));
+  EXPECT_EQ(report.findings[0].what, "distance p95, a, head");
+  EXPECT_FALSE(report.findings[0].alarm);
+  EXPECT_EQ(compared(before, now).alarms(), 3u);
+}
+
+TEST(GateNumbers, AnErrorThatIsNotThereAnyMoreIsAnAlarm) {
+  const GateReport report =
+      compared({row("distance", "p95", 0.1), row("status", "diverged", 0.1)}, {row("distance", "max", 0.1)});
+  ASSERT_THAT(report.findings, SizeIs(3));
+  EXPECT_EQ(report.alarms(), 1u);
+  EXPECT_EQ(report.findings[0].what, "distance p95, a, head");
+  EXPECT_TRUE(std::isnan(report.findings[0].now));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "datasets/results/gate_history.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/clocks/clocks_summary.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/found_results.h"
@@ -243,29 +244,69 @@ TEST(Gate, AcceptingOneStudyKeepsTheOthersOfTheBaseline) {
   }
 }
 
-// A number of another study that was zero has no size in percent; more or less of it is not surely worse.
+// Results of a study of clocks, on recordings with that hash, whose median error and share in time are these.
+void write_clocks(const std::filesystem::path& folder, double median_s, double share_in_time,
+                  const std::vector<std::string>& failed = {}, const std::string& sha256 = "00") {
+  MadeStudy study;
+  study.name = "runs";
+  study.input_sha256 = sha256;
+  write_made_results(folder, study);
+  Json manifest = read_json(folder / "manifest.json");
+  manifest["study"]["kind"] = "clocks";
+  write_file(folder / "manifest.json", manifest.dump());
+  ClocksSummary summary;
+  summary.study = "runs";
+  summary.failed = failed;
+  summary.numbers.add({{.method = "none", .measure = "clock_error", .statistic = "median"}, median_s});
+  summary.numbers.add(
+      {{.method = "none", .measure = "clock_error", .statistic = "share_below_2ms"}, share_in_time});
+  write_results(folder, summary);
+}
+
+// A number of another study that was zero has no size in percent.
 TEST(Gate, AMethodThatIsSurelyWorseComesBeforeNumbersThatChanged) {
   ScratchFolder folder;
   for (const char* night : {"now", "before"}) {
     const bool is_now = std::string(night) == "now";
     write_made_results(folder / night / "walks", {}, is_now ? larger_errors(1.1) : Spoil{});
-    MadeStudy other;
-    other.name = "runs";
-    write_made_results(folder / night / "runs", other);
-    Json manifest = read_json(folder / night / "runs/manifest.json");
-    manifest["study"]["kind"] = "clocks";
-    write_file(folder / night / "runs/manifest.json", manifest.dump());
-    write_file(folder / night / "runs/summary.json", Json{{"format", "trilat.results"},
-                                                          {"version", 2},
-                                                          {"kind", "clocks"},
-                                                          {"study", "runs"},
-                                                          {"late", is_now ? 1.0 : 0.0}}
-                                                         .dump());
+    write_clocks(folder / night / "runs", is_now ? 1.0 : 0.0, 0.5);
   }
   const auto alarms = alarms_of(compare_results(folder / "now", folder / "before"));
   ASSERT_THAT(alarms, SizeIs(3));  // the average of the joints, too
   EXPECT_EQ(alarms[0].study, "walks");
   EXPECT_EQ(alarms[2].study, "runs");
+}
+
+TEST(Gate, NumbersOfAnotherKindAreAnAlarmWhereTheyAreWorse) {
+  ScratchFolder folder;
+  write_clocks(folder / "before", 0.001, 0.5);
+  const auto found = [&](double median_s, double share, const std::vector<std::string>& failed = {}) {
+    write_clocks(folder / "now", median_s, share, failed);
+    return compare_results(folder / "now", folder / "before");
+  };
+  EXPECT_EQ(found(0.001, 0.5).verdict(), NightVerdict::quiet);
+  const GateReport better = found(0.0005, 0.6);
+  EXPECT_EQ(better.verdict(), NightVerdict::quiet);
+  ASSERT_THAT(better.findings, SizeIs(2));
+  for (const GateFinding& f : better.findings) EXPECT_EQ(f.direction, Direction::better) << f.what;
+  EXPECT_EQ(found(0.002, 0.5).alarms(), 1u);
+  EXPECT_EQ(found(0.001, 0.4).alarms(), 1u);
+  EXPECT_EQ(found(0.002, 0.4).alarms(), 2u);
+  const auto failed = alarms_of(found(0.001, 0.5, {"walk: is cut"}));
+  ASSERT_THAT(failed, SizeIs(1));
+  EXPECT_EQ(failed[0].note, "walk: is cut");
+  EXPECT_EQ(found(0.001, kNoNumber).alarms(), 1u);  // a number that is gone
+}
+
+// Whether other recordings are worse cannot be told from one number of each night.
+TEST(Gate, AnotherKindOnOtherRecordingsIsNotJudged) {
+  ScratchFolder folder;
+  write_clocks(folder / "before", 0.001, 0.5);
+  write_clocks(folder / "now", 0.002, 0.4, {}, "11");
+  const GateReport report = compare_results(folder / "now", folder / "before");
+  EXPECT_EQ(report.verdict(), NightVerdict::not_judged);
+  EXPECT_THAT(report.findings, SizeIs(2));
+  EXPECT_THAT(morning_text(report), HasSubstr("NOT JUDGED: other recordings in runs"));
 }
 
 TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {

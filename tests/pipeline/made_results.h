@@ -117,7 +117,7 @@ inline void write_made_results(const std::filesystem::path& folder, const MadeSt
       {key.with({.measure = "distance", .statistic = "mean"}), sample.error_m, kNoNumber, kNoNumber, 100});
   for (std::uint64_t f = 0; f < study.takes_failed; ++f)
     summary.notes.push_back({"p" + std::to_string(f) + "-walking", true, "session.h5", "is damaged"});
-  write_summary(folder, summary);
+  write_results(folder, summary);
   write_file(folder / "run.json", "{}\n");
 }
 

@@ -96,7 +96,11 @@ TEST(FilledStudy, OfAccuracyMayLackNumbers) {
   EXPECT_EQ(json_text(json_of(read_as<ResultsSummary>(JsonObject(parsed, "filled.json", ""))), 1), text);
 }
 
-TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) { expect_read_back(filled<CalibrationSummary>()); }
+TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) {
+  expect_read_back(filled<CalibrationSummary>());
+  expect_read_back(filled<WandRecording>());
+  expect_read_back(filled<WallRecording>());
+}
 
 TEST(FilledStudy, OfARecordingIsReadBackToTheLastBit) { expect_read_back(filled<ClocksSummary>()); }
 

@@ -69,21 +69,25 @@ TEST(Sweep, ACellIsWhatAPlainLoopOverItsTrialsGives) {
   for (std::size_t c = 0; c < run.cells.size(); ++c) {
     const SweepCell& cell = run.cells[c];
     const PlainLoop loop = plain_loop(spec, spec.cells[c]);
-    const std::string id = json_of(cell.setting).dump();
-    ASSERT_EQ(id, json_of(spec.cells[c]).dump());
-    ASSERT_EQ(cell.asked, 60u);
-    ASSERT_EQ(cell.answered, loop.answered) << id;
-    failed += cell.asked - cell.answered;
-    EXPECT_NEAR(cell.mean_iterations, loop.iterations / 60.0, 0.05) << id;  // the failed ones count
+    const std::string id = json_of(cell).dump();
+    const auto value = [&](const char* measure, const char* statistic) {
+      return run.value(cell, {.measure = measure, .statistic = statistic});
+    };
+    ASSERT_EQ(json_of<SweepSetting>(cell), json_of(spec.cells[c]));
+    ASSERT_EQ(run.numbers.n(cell.key().with(kSweptAnswers)), 60u);
+    ASSERT_EQ(run.numbers.n(cell.key().with(kSweptError)), loop.answered) << id;
+    EXPECT_NEAR(value("answered", "share"), static_cast<double>(loop.answered) / 60.0, 1e-12);
+    failed += 60 - loop.answered;
+    EXPECT_NEAR(value("iterations", "mean"), loop.iterations / 60.0, 0.05) << id;  // the failed ones count
     if (loop.answered == 0) continue;
     const auto n = static_cast<double>(loop.answered);
     // Long undamped descents blow up the rounding of their start.
-    const double same_m = cell.max_iterations > 50 ? 1e-5 : 1e-10;
-    EXPECT_NEAR(cell.mae_m, loop.distance_m / n, same_m) << id;
+    const double same_m = value("iterations", "max") > 50 ? 1e-5 : 1e-10;
+    EXPECT_NEAR(value("distance", "mean"), loop.distance_m / n, same_m) << id;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(cell.axis_mae_m[axis], loop.axis_m[axis] / n, same_m) << id;
-    EXPECT_NEAR(cell.rmse_m, std::sqrt(loop.square_m2 / n), same_m) << id;
-    EXPECT_NEAR(cell.max_m, loop.largest_m, 10.0 * same_m) << id;
+      EXPECT_NEAR(value(kAxisNames[axis], "mean_abs"), loop.axis_m[axis] / n, same_m) << id;
+    EXPECT_NEAR(value("distance", "rms"), std::sqrt(loop.square_m2 / n), same_m) << id;
+    EXPECT_NEAR(value("distance", "max"), loop.largest_m, 10.0 * same_m) << id;
   }
   EXPECT_GT(failed, 100u);  // the iteration limit and its stages are among what is compared
 }
@@ -94,9 +98,10 @@ TEST(Sweep, WithoutErrorsTheTruthIsFoundToAllDigits) {
       "start": ["linear", "squared_ranges"]}, "trials": 500)"));
   ASSERT_FALSE(summary.cells.empty());
   for (const SweepCell& cell : summary.cells) {
-    EXPECT_EQ(cell.answered, 500u);
-    EXPECT_LT(cell.max_m, 1e-12);  // the worst joints of the volume are known to a thousand roundings
-    EXPECT_LT(cell.p95_m, 1e-14);
+    EXPECT_EQ(summary.numbers.n(cell.key().with(kSweptError)), 500u);
+    // the worst joints of the volume are known to a thousand roundings
+    EXPECT_LT(summary.value(cell, {.measure = "distance", .statistic = "max"}), 1e-12);
+    EXPECT_LT(summary.value(cell, {.measure = "distance", .statistic = "p95"}), 1e-14);
   }
 }
 
@@ -107,21 +112,19 @@ TEST(Sweep, DampedDescentsWithoutErrorsEndAtTheTruthByTheStepRule) {
       "vary": {"start": ["linear", "squared_ranges"]}, "trials": 500)"));
   ASSERT_FALSE(summary.cells.empty());
   for (const SweepCell& cell : summary.cells) {
-    EXPECT_EQ(cell.answered, 500u);
-    EXPECT_LT(cell.max_m, 1e-9);
+    EXPECT_EQ(summary.numbers.n(cell.key().with(kSweptError)), 500u);
+    EXPECT_LT(summary.value(cell, {.measure = "distance", .statistic = "max"}), 1e-9);
   }
 }
 
 TEST(Sweep, ASmallerThresholdTakesMoreIterations) {
   const SweepSummary run = swept(sweep_of(kOneRig + R"(, "solver": {"error_cm": [0, 5]}, "trials": 1000,
       "vary": {"gradient": ["printed", "corrected"], "threshold": [1, 1e-2, 1e-4, 1e-6]})"));
-  for (std::size_t reading = 0; reading < 2; ++reading)
-    for (std::size_t t = 1; t < 4; ++t) {
-      const SweepCell &before = run.cells[reading * 4 + t - 1], &after = run.cells[reading * 4 + t];
-      EXPECT_GT(after.mean_iterations, before.mean_iterations);
-    }
-  EXPECT_GT(run.cells[3].mean_iterations, 500.0);  // printed gradient, smallest threshold
-  EXPECT_LT(run.cells[7].mean_iterations, 5.0);    // corrected
+  const auto steps = [&](std::size_t cell) { return run.value(run.cells[cell], kSweptSteps); };
+  for (std::size_t gradient = 0; gradient < 2; ++gradient)
+    for (std::size_t t = 1; t < 4; ++t) EXPECT_GT(steps(gradient * 4 + t), steps(gradient * 4 + t - 1));
+  EXPECT_GT(steps(3), 500.0);  // printed gradient, smallest threshold
+  EXPECT_LT(steps(7), 5.0);    // corrected
 }
 
 TEST(LinearStart, IsLinearTrilateration) {
@@ -164,7 +167,9 @@ TEST(SweepSums, QuantilesComeFromTheCounts) {
 TEST(Sweep, EveryTrialIsOneOfItsCell) {
   const SweepSummary run = swept(sweep_of(
       kOneRig + fmt::format(R"(, "solver": {{"error_cm": [0, 5]}}, "trials": {})", kChunkTrials + 1)));
-  for (const SweepCell& cell : run.cells) EXPECT_EQ(cell.asked, kChunkTrials + 1);
+  ASSERT_FALSE(run.cells.empty());
+  for (const SweepCell& cell : run.cells)
+    EXPECT_EQ(run.numbers.n(cell.key().with(kSweptAnswers)), kChunkTrials + 1);
 }
 
 TEST(SweepSums, FollowFromTheTrialsByPencil) {
@@ -176,20 +181,30 @@ TEST(SweepSums, FollowFromTheTrialsByPencil) {
   sums.add({2.0, 2.0, 2.0}, SolveStatus::converged, 4, truth_m);
   sums.add({9.0, 9.0, 9.0}, SolveStatus::iteration_limit, 9, truth_m);
   sums.add(first);
-  const SweepCell cell = cell_of(sums);
-  EXPECT_EQ(cell.start_mae_m, 2.0);
-  EXPECT_EQ(cell.asked, 3u);
-  EXPECT_EQ(cell.answered, 2u);
-  EXPECT_EQ(cell.statuses, (std::map<std::string, std::uint64_t>{{"converged", 2}, {"iteration_limit", 1}}));
-  EXPECT_EQ(cell.mae_m, 4.0);  // 5 and 3
-  EXPECT_EQ(cell.axis_mae_m, (std::array<double, 3>{2.0, 1.0, 3.0}));
-  EXPECT_EQ(cell.axis_mean_mae_m(), 2.0);
-  EXPECT_DOUBLE_EQ(cell.rmse_m, std::sqrt(17.0));
-  EXPECT_DOUBLE_EQ(cell.mae_standard_error_m, 1.0);  // sqrt(2) / sqrt(2)
-  EXPECT_EQ(cell.max_m, 5.0);
-  EXPECT_EQ(cell.mean_iterations, 5.0);
-  EXPECT_EQ(cell.p50_iterations, 4.0);
-  EXPECT_EQ(cell.max_iterations, 9.0);
+  const NumberKey cell{.condition = "c", .group = "g", .method = "m"};
+  const Numbers numbers = numbers_of(sums, cell);
+  const auto value = [&](const char* measure, const char* statistic) {
+    return numbers.value(cell.with({.measure = measure, .statistic = statistic}));
+  };
+  EXPECT_EQ(value("start", "mean"), 2.0);
+  EXPECT_EQ(numbers.n(cell.with(kSweptAnswers)), 3u);
+  EXPECT_EQ(value("answered", "share"), 2.0 / 3.0);
+  EXPECT_EQ(numbers.n(cell.with({.measure = "status", .statistic = "converged"})), 2u);
+  EXPECT_EQ(numbers.n(cell.with({.measure = "status", .statistic = "iteration_limit"})), 1u);
+  const Number* mean = numbers.find(cell.with(kSweptError));
+  EXPECT_EQ(mean->value, 4.0);  // 5 and 3
+  EXPECT_EQ(mean->n, 2u);
+  EXPECT_NEAR(mean->high - mean->value, 12.7062047, 1e-6);  // t of one degree, sqrt(2) / sqrt(2)
+  EXPECT_NEAR(mean->value - mean->low, 12.7062047, 1e-6);
+  EXPECT_EQ(value("x", "mean_abs"), 2.0);
+  EXPECT_EQ(value("y", "mean_abs"), 1.0);
+  EXPECT_EQ(value("z", "mean_abs"), 3.0);
+  EXPECT_DOUBLE_EQ(value("distance", "rms"), std::sqrt(17.0));
+  EXPECT_EQ(value("distance", "max"), 5.0);
+  EXPECT_EQ(value("iterations", "mean"), 5.0);
+  EXPECT_EQ(value("iterations", "median"), 4.0);
+  EXPECT_EQ(value("iterations", "max"), 9.0);
+  EXPECT_TRUE(numbers_of({}, cell).all().empty());
 }
 
 }  // namespace

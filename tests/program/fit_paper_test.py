@@ -18,17 +18,16 @@ loader.exec_module(fit)
 TABLE = json.loads((SOURCE / "datasets/paper/table1.json").read_text())
 
 
-def summary_of(*interpretations):
-    """A sweep's summary of interpretations, each a function from threshold and range to error (cm), steps and answered trials of 100."""
-    summary = {"thresholds": 4, "ranges": 3, "cells": []}
+def cells_of(*interpretations):
+    """A sweep's cells by interpretations, each a function from threshold and range to error (cm), steps and answered trials of 100."""
+    cells = []
     for number, interpretation in enumerate(interpretations):
         setting = {**dict.fromkeys(fit.INTERPRETATION, "x"), "rig": f"r{number}", "gradient": "printed"}
         for t in range(4):
             for r in range(3):
                 error_cm, steps, answered = interpretation(t, r)
-                summary["cells"].append({**setting, "asked": 100, "answered": answered, "mae_m": error_cm / 100, "axis_mean_mae_m": error_cm / 200,
-                                         "mean_iterations": steps})
-    return summary
+                cells.append({**setting, "answered": answered / 100, "error_m": error_cm / 100, "axis_mean_m": error_cm / 200, "steps": steps})
+    return cells, 4, 3
 
 
 def the_papers(t, r):
@@ -44,7 +43,7 @@ class FitPaper(ScratchTest):
     def test_the_reading_that_the_table_is_made_from_comes_first(self):
         doubled = lambda t, r: (2.5 * the_papers(t, r)[0], 7, 100)
         silent = lambda t, r: (*the_papers(t, r)[:2], 89 if (t, r) == (3, 2) else 100)
-        rows = fit.interpretations_of(summary_of(doubled, the_papers, silent))
+        rows = fit.interpretations_of(*cells_of(doubled, the_papers, silent))
         self.assertEqual([row["rig"] for row in rows], ["r1", "r0"])  # one fails too often to be ranked
         best, other = rows
         self.assertAlmostEqual(best["errors_distance"], 0.0)

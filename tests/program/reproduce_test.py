@@ -27,23 +27,47 @@ def rows_of_errors(results):
             for cell in sorted(cells(results), key=lambda c: [c[key] for key in CELL])]
 
 
+def values_of(results):
+    """The value and the count of each number of a study's takes together, by condition, group, method, measure and statistic."""
+    return {tuple(row[key] for key in ("condition", "group", "method", "measure", "statistic")): row for row in numbers(results)}
+
+
+def rows_of_sweep(results):
+    """The numbers of every cell, whose setting summary.json has."""
+    found, rows = values_of(results), []
+    for cell in json.loads((results / "summary.json").read_text())["cells"]:
+        def of(measure, statistic, field="value"):
+            return found[cell["condition"], cell["group"], cell["method"], measure, statistic][field]
+        rows.append(["/".join(cell[key] for key in INTERPRETATION), f"C = {cell['threshold']:g}", f"from {cell['error_low_m']:g} m",
+                     int(of("answered", "share", "n")), int(of("distance", "mean", "n")), of("distance", "mean"),
+                     sum(of(axis, "mean_abs") for axis in "xyz") / 3, of("distance", "rms"), of("distance", "p95"), of("start", "mean")])
+    return rows
+
+
+def rows_of_clocks(results):
+    found = values_of(results)
+    def of(method, statistic, field="value"):
+        return found["", "", method, "clock_error", statistic][field]
+    return [[method, int(of(method, "share_below_2ms", "n")), *(of(method, statistic) for statistic in ("median", "p95", "p99", "max", "share_below_2ms"))]
+            for _, _, method, measure, statistic in found if (measure, statistic) == ("clock_error", "median")]
+
+
+def rows_of_queues(results):
+    found = values_of(results)
+    return [[method, server, *(int(found[server, "", method, "queue", fate]["n"]) for fate in ("came", "too_early", "too_late", "taken"))]
+            for server, _, method, measure, statistic in found if (measure, statistic) == ("queue", "taken")]
+
+
 def tables_of(out):
     """By name the head and the rows of each table; texts name a row."""
-    summary = {name: json.loads((out / name / "summary.json").read_text()) for name in ("table1", "clocks")}
-    sweep, clocks = summary["table1"], summary["clocks"]
     errors = ["method", "condition", "group", "alignment", "answered", "mae_m", "rmse_m", "median_m", "p95_m", "max_m"]
     return {
         "table1": (["reading", "C", "errors_from_m", "asked", "answered", "mae_m", "axis_mean_mae_m", "rmse_m", "p95_m", "start_mae_m"],
-                   [["/".join(c[key] for key in INTERPRETATION), f"C = {c['threshold']:g}",
-                     f"from {c['error_low_m']:g} m", *(c[key] for key in ("asked", "answered", "mae_m", "axis_mean_mae_m",
-                                                                                               "rmse_m", "p95_m", "start_mae_m"))] for c in sweep["cells"]]),
+                   rows_of_sweep(out / "table1")),
         "table2": (errors, rows_of_errors(out / "table2")),
         "table3": (errors, rows_of_errors(out / "table3")),
-        "table4-clocks": (["method", "asked", "median_s", "p95_s", "p99_s", "max_s", "below_2ms"],
-                          [[c["method"], c["asked"], *(c["error"][key] for key in ("median_s", "p95_s", "p99_s", "max_s")),
-                            c["below_2ms"]] for c in clocks["clocks"]]),
-        "table4-queues": (["method", "server", "came", "too_early", "too_late", "taken"],
-                          [[q[key] for key in ("method", "server", "came", "too_early", "too_late", "taken")] for q in clocks["queues"]])}
+        "table4-clocks": (["method", "asked", "median_s", "p95_s", "p99_s", "max_s", "below_2ms"], rows_of_clocks(out / "clocks")),
+        "table4-queues": (["method", "server", "came", "too_early", "too_late", "taken"], rows_of_queues(out / "clocks"))}
 
 
 def text_of(value):

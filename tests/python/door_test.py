@@ -305,9 +305,9 @@ class Frames(Opened):
         header, row = whole.splitlines()[:2]
         for text, words in ((whole[:-1], "a row is cut"),
                             (whole.replace(row, row.rpartition(",")[0], 1), "a row is cut"),
-                            (whole.replace(row + "\n", "", 1), "numbers that summary.json states"),
+                            (whole.replace(row + "\n", "", 1), " were written"),
                             (whole.replace(row, row + ",", 1), "a row is cut"),
-                            (header + "\n", "has 0 of the")):
+                            (header + "\n", "has 0 numbers, and")):
             (folder / "numbers.csv").write_text(text, encoding="utf-8")
             with self.assertRaisesRegex(trilat.InputError, words):
                 trilat.numbers(folder)

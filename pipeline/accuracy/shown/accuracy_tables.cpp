@@ -12,7 +12,6 @@
 #include "evaluators/solvers/point_estimate.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
-#include "pipeline/accuracy/shown/number_cells.h"
 
 namespace trilat {
 namespace {
@@ -44,17 +43,6 @@ std::vector<Row> rows_of(const ResultsSummary& s, const std::string& condition,
   return rows;
 }
 
-// "converged 98.1 %, diverged 1.9 %".
-std::string statuses_of(const Numbers& numbers, const Row& row) {
-  std::map<std::string, std::uint64_t> statuses;
-  for (int s = 0; s < kSolveStatusCount; ++s) {
-    const std::string name(name_of(static_cast<SolveStatus>(s)));
-    if (const std::uint64_t n = numbers.n(row.with({.measure = "status", .statistic = name})); n > 0)
-      statuses[name] = n;
-  }
-  return statuses_text(statuses, numbers.n(row.with(kAnswered)));
-}
-
 Table detail_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   const Numbers& numbers = s.numbers;
   std::vector<Column> columns{{"joint", "joint", as_text(&Row::group)},
@@ -72,8 +60,9 @@ Table detail_table(const ResultsSummary& s, const std::string& condition, const 
                        value_of(numbers, {.measure = axis, .statistic = "mean_abs"})});
   columns.push_back(
       {"iterations", "iterations", value_of(numbers, {.measure = "iterations", .statistic = "mean"}, 1)});
-  columns.push_back(
-      {"statuses", "statuses", as_text([&](const Row& row) { return statuses_of(numbers, row); })});
+  columns.push_back({"statuses", "statuses", as_text([&](const Row& row) {
+                       return statuses_text(numbers, row, solve_status_names());
+                     })});
   Table table = table_of<Row>(id_of("accuracy", condition, alignment),
                               {"Position error by joint group and method", about(s, condition, alignment)},
                               rows_of(s, condition, alignment), columns);
@@ -138,17 +127,6 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
 }
 
 }  // namespace
-
-TableValue shown_number(const Numbers& numbers, const NumberKey& key, int decimals) {
-  const Number* number = numbers.find(key);
-  const std::string unit = unit_of(key);
-  const double factor = unit == "m"     ? kCentimetresPerMetre
-                        : unit == "1"   ? 100.0
-                        : unit == "rad" ? kDegreesPerRad
-                                        : 1.0;
-  if (!number) return number_cell(decimals, kNoNumber);
-  return number_cell(decimals, factor * number->value, factor * number->low, factor * number->high);
-}
 
 Table differences_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
   const Numbers& numbers = s.numbers;

@@ -7,7 +7,6 @@
 
 #include "datasets/base/units.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
-#include "pipeline/accuracy/shown/number_cells.h"
 
 namespace trilat {
 namespace {

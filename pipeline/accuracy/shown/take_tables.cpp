@@ -11,7 +11,6 @@
 #include "datasets/base/units.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
-#include "pipeline/accuracy/shown/number_cells.h"
 
 namespace trilat {
 namespace {

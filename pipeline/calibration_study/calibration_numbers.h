@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ struct ErrorSpread {
   double max_m = kNotMeasured;
   // 95 % interval of the mean, by Student's t over clusters, not over samples.
   double mean_low_m = kNotMeasured, mean_high_m = kNotMeasured;
+  std::uint64_t clusters = 0;  // with an answer
 };
 
 // One error and the cluster it belongs to: errors of one sensor have causes in common.
@@ -30,17 +32,31 @@ struct ClusteredError {
 
 ErrorSpread spread_of(const std::vector<ClusteredError>& errors);
 
-// "1.17 cm (95 % interval 0.68 to 1.69 cm)"; says so when there is no answer or no interval.
-std::string mean_text(const ErrorSpread& spread);
-
 // Means over the columns of a row that had a depth: the two outer parts, where the paper finds more error
 // (columns 0 to 149 and 351 to the last), and between.
 struct ColumnMeans {
   double left = kNotMeasured, middle = kNotMeasured, right = kNotMeasured;
   double edge = kNotMeasured;  // of all columns of both outer parts
-
-  double edge_to_middle() const { return edge / middle; }  // NaN without a middle
 };
 ColumnMeans column_means(const std::vector<double>& by_column);
+
+// Zones of the ball: the paper's recommended range, everywhere, and nearer than that.
+inline constexpr const char *kInside = "inside", *kAllPlaces = "all", *kNear = "near";
+// The ways to find the ball that bins and figures show.
+inline constexpr std::array kMainWandMethods{"ours", "corrected", "corrected by the mid-range"};
+
+// Bins of the ball's distance and angle, the outer ones open.
+struct PlaceBin {
+  const char* of;  // "distance", "angle"
+  double from, to;
+  bool is_first, is_last;
+  std::string name() const;  // "distance 0.5 to 0.8 m", "angle from 26 degrees"
+};
+const std::vector<PlaceBin>& place_bins();
+
+// The numbers of a study, as CalibrationSummary has them. Statistics of a wall: "distance" (of the fitted
+// plane along the lens' axis), "stated" and "noise" (of a pixel's depth); of "residual" and "sideways" the
+// means over the left, middle and right columns, both outer parts (edge), and the max.
+Numbers calibration_numbers(const CalibrationRecordings& recordings);
 
 }  // namespace trilat
