@@ -5,11 +5,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <optional>
 #include <set>
-#include <span>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "datasets/base/content_hash.h"
@@ -21,6 +20,7 @@
 #include "pipeline/accuracy/take/sensor_track.h"
 #include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/study/hash_cache.h"
+#include "pipeline/study/parallel.h"
 
 namespace trilat {
 namespace {
@@ -150,105 +150,95 @@ std::optional<RigidTransform> levelled(const SessionReader& session, std::size_t
   return RigidTransform{Eigen::Quaterniond(axes).normalized(), {0.0, floor->height_m, 0.0}};
 }
 
-double square(double value) { return value * value; }
+// The refinement of one rig, and of problems that differ from its own in a few observations.
+class BodyRefinement {
+ public:
+  BodyRefinement(const RigProblem& problem, const RigStart& start, const RigidTransform& world_from_reference,
+                 double robust_scale)
+      : reference_(start.reference) {
+    gauge_.world_from_reference = world_from_reference;
+    options_.robust_scale = robust_scale;
+    options_.rejection_rounds = 0;
+    options_.covariances = false;
+    solution_ = bundle_adjust(problem, start.reference_from_sensor, reference_, gauge_, options_);
+  }
+  const RigRefinement& solution() const { return solution_; }
 
-// The normal equations of all sensors' turns (rotation vector in world axes) and positions but the
-// reference's, without the points, each of which stands in no other's equations: one Newton step of the
-// robust loss.
-struct Equations {
-  Eigen::MatrixXd information;
-  Eigen::VectorXd gradient;
-  Eigen::MatrixXd of_depth;  // by sensor: how its gradient changes when its unit measures too far
+  // How the poses of the other problem differ from the solution's: of each sensor the rotation vector in
+  // world axes and the position (rad, m), six rows a sensor. Nothing where it has no solution.
+  std::optional<Eigen::VectorXd> difference(const RigProblem& other) const {
+    const RigidTransform reference_from_world = solution_.sensors[reference_].world_from_sensor.inverse();
+    std::vector<RigidTransform> start;
+    for (const RefinedSensor& sensor : solution_.sensors)
+      start.push_back(reference_from_world * sensor.world_from_sensor);
+    const RigRefinement refined = bundle_adjust(other, start, reference_, gauge_, options_);
+    if (refined.status != RigStatus::converged) return std::nullopt;
+    Eigen::VectorXd rows(6 * static_cast<Eigen::Index>(start.size()));
+    for (std::size_t s = 0; s < start.size(); ++s) {
+      const RigidTransform &to = refined.sensors[s].world_from_sensor,
+                           &from = solution_.sensors[s].world_from_sensor;
+      const Eigen::AngleAxisd turn(to.rotation * from.rotation.conjugate());
+      rows.segment<6>(6 * static_cast<Eigen::Index>(s)) << turn.angle() * turn.axis(),
+          to.translation_m - from.translation_m;
+    }
+    return rows;
+  }
+
+ private:
+  std::size_t reference_;
+  RigGauge gauge_;
+  RigRefinementOptions options_;
+  RigRefinement solution_;
 };
 
-// Adds what one point's observations say. Their loss is soft-L1: rho(x) = 2 a^2 (sqrt(1 + x / a^2) - 1) of
-// the squared distance in standard deviations.
-void add_point(std::span<const PointObservation> seen, const Eigen::Vector3d& point_in_world_m,
-               const RigRefinement& solution, std::size_t reference, const CalibrateBodiesOptions& options,
-               Equations& equations) {
-  const double per_m2 = 1.0 / (options.joint_sigma_m * options.joint_sigma_m);
-  const Eigen::Index unknowns = equations.gradient.size();
-  Eigen::Matrix3d of_point = Eigen::Matrix3d::Zero();
-  Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(3, unknowns);
-  Eigen::Vector3d pull = Eigen::Vector3d::Zero();
-  Eigen::MatrixXd pull_of_depth = Eigen::MatrixXd::Zero(3, equations.of_depth.cols());
-  for (const PointObservation& o : seen) {
-    const RigidTransform& pose = solution.sensors[o.sensor].world_from_sensor;
-    const Eigen::Vector3d turned_m = pose.rotation * o.point_in_sensor_m;
-    const Eigen::Vector3d off_m = point_in_world_m - turned_m - pose.translation_m;
-    const double root = std::sqrt(1.0 + off_m.squaredNorm() * per_m2 / square(options.robust_scale));
-    const Eigen::Matrix3d weight = per_m2 / root *
-                                   (Eigen::Matrix3d::Identity() -
-                                    per_m2 / square(options.robust_scale * root) * off_m * off_m.transpose());
-    const Eigen::Vector3d force = per_m2 / root * off_m;
-    // a unit's depth error moves a joint along its ray
-    const Eigen::Vector3d force_of_depth =
-        -options.unit_depth_sigma_m / o.point_in_sensor_m.z() * (weight * turned_m);
-    of_point += weight;
-    pull += force;
-    pull_of_depth.col(static_cast<Eigen::Index>(o.sensor)) += force_of_depth;
-    if (o.sensor == reference) continue;
-    const Eigen::Index at = 6 * static_cast<Eigen::Index>(o.sensor - (o.sensor > reference ? 1 : 0));
-    Eigen::Matrix<double, 3, 6> by_pose;
-    by_pose << 0.0, -turned_m.z(), turned_m.y(), -1.0, 0.0, 0.0, turned_m.z(), 0.0, -turned_m.x(), 0.0, -1.0,
-        0.0, -turned_m.y(), turned_m.x(), 0.0, 0.0, 0.0, -1.0;
-    equations.information.block<6, 6>(at, at) += by_pose.transpose() * weight * by_pose;
-    equations.gradient.segment<6>(at) += by_pose.transpose() * force;
-    equations.of_depth.col(static_cast<Eigen::Index>(o.sensor)).segment<6>(at) +=
-        by_pose.transpose() * force_of_depth;
-    mixed.middleCols<6>(at) += weight * by_pose;
-  }
-  const Eigen::MatrixXd eliminated = of_point.ldlt().solve(mixed);
-  equations.information -= mixed.transpose() * eliminated;
-  equations.gradient -= eliminated.transpose() * pull;
-  equations.of_depth -= eliminated.transpose() * pull_of_depth;
+// The observations as they would be if one sensor measured all depths too far by `error_m`.
+RigProblem with_depth_error(RigProblem problem, std::size_t sensor, double error_m) {
+  for (PointObservation& o : problem.observations)
+    if (o.sensor == sensor) o.point_in_sensor_m *= 1.0 + error_m / o.point_in_sensor_m.z();
+  return problem;
 }
 
-// Covariances of the poses by a jackknife over joints: from the solution one Newton step with each left out;
-// and by the depth error of each unit, which all its joints share.
-std::vector<Covariance> covariances_of(const RigProblem& problem, const RigRefinement& solution,
-                                       std::size_t reference, const CalibrateBodiesOptions& options,
-                                       const std::string& place) {
-  const auto unknowns = static_cast<Eigen::Index>(6 * (problem.sensors - 1));
-  const Equations none{Eigen::MatrixXd::Zero(unknowns, unknowns), Eigen::VectorXd::Zero(unknowns),
-                       Eigen::MatrixXd::Zero(unknowns, static_cast<Eigen::Index>(problem.sensors))};
-  std::map<std::size_t, Equations> of_joint;
-  const std::span<const PointObservation> all(problem.observations);
-  for (std::size_t first = 0, last = 0; first < all.size(); first = last) {  // a point's are neighbours
-    const std::size_t point = all[first].point;
-    while (last < all.size() && all[last].point == point) ++last;
-    add_point(all.subspan(first, last - first), solution.point_in_world_m[point], solution, reference,
-              options, of_joint.try_emplace(point % kJointCount, none).first->second);
-  }
-  Equations sum = none;
-  for (const auto& [joint, equations] : of_joint) {
-    sum.information += equations.information;
-    sum.gradient += equations.gradient;
-    sum.of_depth += equations.of_depth;
-  }
-  Eigen::MatrixXd steps(unknowns, static_cast<Eigen::Index>(of_joint.size()));
-  Eigen::Index column = 0;
-  bool known = of_joint.size() >= kFewestJoints;
-  for (const auto& [joint, equations] : of_joint) {
-    const Eigen::LDLT<Eigen::MatrixXd> rest(sum.information - equations.information);
-    known = known && rest.isPositive() && rest.rcond() > 1e-12;
-    if (known) steps.col(column++) = rest.solve(equations.gradient - sum.gradient);
-  }
-  if (!known)
+// Covariances of the poses by a jackknife over joints, each left out in turn, and by the depth error of each
+// unit, which all its joints share. InputError where the poses do not follow from the joints that are left.
+std::vector<Covariance> covariances_of(const RigProblem& problem, const BodyRefinement& refinement,
+                                       const CalibrateBodiesOptions& options, const std::string& place) {
+  std::set<std::size_t> joints;
+  for (const PointObservation& o : problem.observations) joints.insert(o.point % kJointCount);
+  const auto rows = static_cast<Eigen::Index>(6 * problem.sensors);
+  Eigen::MatrixXd without_joint(rows, static_cast<Eigen::Index>(joints.size()));
+  Eigen::MatrixXd by_depth(rows, static_cast<Eigen::Index>(problem.sensors));
+  std::vector<RigProblem> parts;
+  for (const std::size_t joint : joints)
+    parts.push_back(part_of(problem, [&](std::size_t point) { return point % kJointCount != joint; }));
+  for (std::size_t s = 0; s < problem.sensors; ++s)
+    parts.push_back(with_depth_error(problem, s, options.unit_depth_sigma_m));
+  std::vector<std::optional<Eigen::VectorXd>> differences(parts.size());
+  parallel_for_index(parts.size(), 1, [&](std::size_t k) {
+    if (options.stop_requested && options.stop_requested()) return;
+    if (start_of(parts[k]).complete()) differences[k] = refinement.difference(parts[k]);
+  });
+  if (options.stop_requested && options.stop_requested()) throw Interrupted();
+  const auto is_known = [](const std::optional<Eigen::VectorXd>& difference) {
+    return difference.has_value();
+  };
+  if (joints.size() < kFewestJoints || !std::ranges::all_of(differences, is_known))
     throw InputError(
         place,
         fmt::format(
             "shows too few joints to say how sure the poses are: {} that two sensors track at the same time",
-            of_joint.size()));
-  const double n = static_cast<double>(steps.cols());
-  const Eigen::MatrixXd about_mean = steps.colwise() - steps.rowwise().mean();
-  const Eigen::MatrixXd by_depth = sum.information.ldlt().solve(sum.of_depth);
-  std::vector<Covariance> result(problem.sensors, Covariance::Zero());
+            joints.size()));
+  for (Eigen::Index k = 0; k < without_joint.cols(); ++k)
+    without_joint.col(k) = *differences[static_cast<std::size_t>(k)];
+  for (Eigen::Index s = 0; s < by_depth.cols(); ++s)
+    by_depth.col(s) = *differences[joints.size() + static_cast<std::size_t>(s)];
+  const auto n = static_cast<double>(joints.size());
+  const Eigen::MatrixXd about_mean = without_joint.colwise() - without_joint.rowwise().mean();
+  std::vector<Covariance> result;
   for (std::size_t s = 0; s < problem.sensors; ++s) {
-    if (s == reference) continue;
-    const Eigen::Index at = 6 * static_cast<Eigen::Index>(s - (s > reference ? 1 : 0));
-    const auto by_joints = about_mean.middleRows<6>(at), of_sensor = by_depth.middleRows<6>(at);
-    result[s] = (n - 1.0) / n * by_joints * by_joints.transpose() + of_sensor * of_sensor.transpose();
+    const auto at = static_cast<Eigen::Index>(6 * s);
+    const Eigen::MatrixXd by_joints = about_mean.middleRows<6>(at), of_sensor = by_depth.middleRows<6>(at);
+    result.emplace_back((n - 1.0) / n * by_joints * by_joints.transpose() +
+                        of_sensor * of_sensor.transpose());
   }
   return result;
 }
@@ -262,19 +252,13 @@ BodyCalibration calibrate_bodies(const std::filesystem::path& path, const Calibr
   const RigProblem problem = gather(session, options, result.notes);
   const RigStart start = start_of(problem);
   check_placement(start, session);
-  RigGauge gauge;
   const std::optional<RigidTransform> level = levelled(session, start.reference);
-  gauge.world_from_reference = level.value_or(RigidTransform{});
-  RigRefinementOptions refinement;
-  refinement.robust_scale = options.robust_scale;
-  refinement.rejection_rounds = 0;
-  refinement.covariances = false;
-  const RigRefinement refined =
-      bundle_adjust(problem, start.reference_from_sensor, start.reference, gauge, refinement);
+  const BodyRefinement refinement(problem, start, level.value_or(RigidTransform{}), options.robust_scale);
+  const RigRefinement& refined = refinement.solution();
   if (refined.status != RigStatus::converged)
     throw InputError(path.string(),
                      "cannot be calibrated: the refinement ended with " + name_of(refined.status));
-  const auto covariances = covariances_of(problem, refined, start.reference, options, path.string());
+  const auto covariances = covariances_of(problem, refinement, options, path.string());
   result.reference = start.reference;
   Calibration& calibration = result.calibration;
   calibration.method = "bodies";

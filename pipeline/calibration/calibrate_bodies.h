@@ -31,9 +31,9 @@ struct BodyCalibration {
 // Sensor poses from one person whom several sensors tracked at the same time, for people without a wand. The
 // world is the best seen sensor's, moved to the floor below it and levelled by its floor plane: y up, z
 // horizontally out of the lens. Trackers see each joint a little off, differently from every side, and time
-// does not average that out: the stated uncertainty is a jackknife over joints (each left out in turn, by one
-// Newton step), which contains it, and the depth error of each unit, which it does not. InputError says which
-// sensor cannot be placed and why.
+// does not average that out: the stated uncertainty is a jackknife over joints (each left out in turn, and
+// the rest refined again), which contains it, and the depth error of each unit, which it does not. InputError
+// says which sensor cannot be placed and why.
 BodyCalibration calibrate_bodies(const std::filesystem::path& session, const CalibrateBodiesOptions& options);
 
 }  // namespace trilat

@@ -82,7 +82,7 @@ TEST(CalibrateBodies, WithoutTrackerBiasTheyPlaceTheSensorsWithinTwoCentimetres)
 
 // The mean of six where the stated covariance is right; 13 while a unit's depth error was not in it.
 TEST(CalibrateBodies, TheStatedCovarianceHoldsWhatAllJointsShare) {
-  const std::uint64_t runs = trials(160);
+  const std::uint64_t runs = trials(80);
   double squares = 0.0, poses = 0.0;
   for (std::uint64_t run = 0; run < runs; ++run) {
     const ScratchFolder folder;
