@@ -162,7 +162,7 @@ Look look_at(std::span<const std::byte> bytes, std::size_t& size) {
 
 bool is_believable(const LogHead& head) {
   return std::ranges::all_of(head.session.sensors,
-                             [](const auto& sensor) { return refusal_of(sensor).empty(); });
+                             [](const auto& sensor) { return problem_with(sensor).empty(); });
 }
 
 }  // namespace

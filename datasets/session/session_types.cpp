@@ -19,7 +19,7 @@ EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const st
   return {stamp, encode_chunk(std::as_bytes(depth_mm), 2, compression), compression};
 }
 
-std::string refusal_of(const SensorDescription& sensor) {
+std::string problem_with(const SensorDescription& sensor) {
   if (sensor.tick_ns < 1 || sensor.tick_ns > 1'000'000'000)
     return "has a device tick outside 1 to 1000000000 ns";
   if (!(sensor.nominal_rate_hz > 0.1 && sensor.nominal_rate_hz < 10'000.0))

@@ -102,7 +102,7 @@ EncodedDepthFrame encode_depth_frame(const FrameStamp& stamp, std::span<const st
                                      ChunkCompression compression);
 
 // Why a reader of sessions would not believe this sensor; empty where it would.
-std::string refusal_of(const SensorDescription& sensor);
+std::string problem_with(const SensorDescription& sensor);
 
 // Whether a reader would believe these times: within 18 years of their clock's origin, exchanges within 9.
 bool is_plausible(const FrameStamp& stamp, std::int64_t tick_ns);

@@ -109,7 +109,7 @@ SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_r
 }
 
 // Where somebody stands on the floor, and which way they face.
-struct Stand {
+struct FootPose {
   Vector3d place_m;
   double heading_rad = 0.0;
 };
@@ -136,14 +136,14 @@ Vector3d knee_between(const Vector3d& hip_m, const Vector3d& ankle_m, const Vect
 void step_leg(SkeletonPose& pose, const Person& p, int side, double stride, const auto& way) {
   const double middle = side == 0 ? std::numbers::pi : 0.0;
   const auto stand_of = [&](double stance) { return way(middle + kTwoPi * stance); };
-  const auto ankle_of = [&](const Stand& stand) -> Vector3d {
+  const auto ankle_of = [&](const FootPose& stand) -> Vector3d {
     const double aside = (side == 0 ? 1.0 : -1.0) * fraction::kHipHalfWidth * p.stature_m;
     const BodyAxes body = body_axes(stand.place_m, stand.heading_rad);
     return body.origin_m + aside * body.left + fraction::kAnkle * p.stature_m * body.up;
   };
   const double stances = (stride - middle) / kTwoPi, last = std::floor(stances + 0.5 * kStance);
   const double swung = std::clamp((stances - last - 0.5 * kStance) / (1.0 - kStance), 0.0, 1.0);
-  const Stand from = stand_of(last), to = stand_of(last + 1.0);
+  const FootPose from = stand_of(last), to = stand_of(last + 1.0);
   const Vector3d from_m = ankle_of(from), step_m = ankle_of(to) - from_m;
   const double lift_m = 0.2 * step_m.norm() * 64.0 * std::pow(swung * (1.0 - swung), 3);
   const Vector3d ankle_m = from_m + eased(swung) * step_m + lift_m * Vector3d::UnitY();
@@ -166,14 +166,14 @@ SkeletonPose stepping(const Person& p, double stride, double swing, const auto& 
     a.elbow[side] = 0.35 + p.amplitude * 0.15 * swing * (1.0 - s);
   }
   a.trunk = 0.05;
-  const Stand here = way(stride);
+  const FootPose here = way(stride);
   const double height_m = fraction::kHip * p.stature_m - 0.03 + 0.015 * swing * std::cos(2.0 * stride);
   SkeletonPose pose = pose_of(a, here.place_m + height_m * Vector3d::UnitY(), here.heading_rad, p.stature_m);
   for (int side : {0, 1}) step_leg(pose, p, side, stride, way);
   return pose;
 }
 
-Stand on_circle(double lap, double radius_m) {
+FootPose on_circle(double lap, double radius_m) {
   return {{radius_m * std::cos(lap), 0.0, -radius_m * std::sin(lap)}, lap + std::numbers::pi};
 }
 
@@ -185,7 +185,7 @@ SkeletonPose walk(const Person& p, double t) {
 }
 
 // One round, then as long at rest on both feet, facing forward.
-SkeletonPose walk_about(const Person& p, double t) {
+SkeletonPose walk_and_stop(const Person& p, double t) {
   constexpr double kRound_s = 6.5, kRadius_m = 0.6;
   constexpr double kStrides = 8.0, kFirst = 0.25;  // both feet stand a quarter behind a stance's middle
   const double since = std::fmod(p.tempo * t + p.phase_rad / kTwoPi * 2.0 * kRound_s, 2.0 * kRound_s);
@@ -227,7 +227,7 @@ SkeletonPose step(const Person& p, double t) {
   constexpr double kWays_hz = 1.0 / 12.0;
   const auto way_of = [&](double stride) { return kWays_hz / kStride_hz * stride + p.phase_rad; };
   const double stride = kTwoPi * kStride_hz * p.tempo * t;
-  return stepping(p, stride, 0.45 * std::abs(std::cos(way_of(stride))), [&](double at) -> Stand {
+  return stepping(p, stride, 0.45 * std::abs(std::cos(way_of(stride))), [&](double at) -> FootPose {
     return {{0.3 * std::sin(2.0 * way_of(at)), 0.0, 0.6 * std::sin(way_of(at))}};
   });
 }
@@ -262,8 +262,8 @@ Motion generated_motion(const Person& person, Activity activity) {
       return [person](double t) { return cross_legs(person, t); };
     case Activity::steps:
       return [person](double t) { return step(person, t); };
-    case Activity::walk_about:
-      return [person](double t) { return walk_about(person, t); };
+    case Activity::walk_and_stop:
+      return [person](double t) { return walk_and_stop(person, t); };
     case Activity::standing:
       break;
   }

@@ -200,21 +200,21 @@ std::vector<Peak> peaks_of(const SpeedCurve& curve, int steps, const ClockOffset
 }
 
 // What a block of time says about the offset: the normal equation of one unknown.
-struct Evidence {
+struct NormalEquation {
   double information = 0.0, gradient = 0.0;
-  void add(const Evidence& other) {
+  void add(const NormalEquation& other) {
     information += other.information;
     gradient += other.gradient;
   }
 };
-using Blocks = std::map<std::int64_t, Evidence>;
+using Blocks = std::map<std::int64_t, NormalEquation>;
 
 using MotionOf = Eigen::Vector3f BandPassedMotion::*;
 using TruthAt = Vector3d (TruthGrid::*)(double) const;
 
 // The estimate onto the truth, as both are at an offset.
-RigidTransform turn_at(const std::vector<ComparedJoint>& joints, double offset_s, MotionOf estimate_m,
-                       TruthAt truth_at) {
+RigidTransform rotation_at(const std::vector<ComparedJoint>& joints, double offset_s, MotionOf estimate_m,
+                           TruthAt truth_at) {
   AlignmentSums sums;
   for (const ComparedJoint& joint : joints)
     for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
@@ -229,7 +229,7 @@ RigidTransform turn_at(const std::vector<ComparedJoint>& joints, double offset_s
 double median_distance_m(const std::vector<ComparedJoint>& joints, double offset_s, StreamFrames frames) {
   const RigidTransform turn =
       frames == StreamFrames::turned
-          ? turn_at(joints, offset_s, &BandPassedMotion::position_m, &TruthGrid::position_at)
+          ? rotation_at(joints, offset_s, &BandPassedMotion::position_m, &TruthGrid::position_at)
           : RigidTransform{};
   std::vector<double> sizes_m;
   for (const ComparedJoint& joint : joints)
@@ -267,8 +267,8 @@ void add_evidence(const ComparedJoint& joint, double offset_s, double scale_m, d
   }
 }
 
-Evidence sum_of(const Blocks& blocks) {
-  Evidence sum;
+NormalEquation sum_of(const Blocks& blocks) {
+  NormalEquation sum;
   for (const auto& [block, evidence] : blocks) sum.add(evidence);
   return sum;
 }
@@ -285,14 +285,14 @@ Refined refine(const std::vector<ComparedJoint>& joints, double offset_s, const 
     blocks.clear();
     const double scale_m = residual_scale_m(joints, offset_s);
     for (const ComparedJoint& joint : joints) add_evidence(joint, offset_s, scale_m, options.block_s, blocks);
-    const Evidence sum = sum_of(blocks);
+    const NormalEquation sum = sum_of(blocks);
     if (!(sum.information > 0.0)) return {};
     const double step_s = sum.gradient / sum.information;
     offset_s += step_s;
     if (std::abs(step_s) < 1e-9) break;
   }
   if (blocks.size() < 3) return {offset_s, kNaN, blocks.size()};
-  const Evidence sum = sum_of(blocks);
+  const NormalEquation sum = sum_of(blocks);
   const double n = static_cast<double>(blocks.size());
   double squares = 0.0;
   for (const auto& [block, evidence] : blocks) {
@@ -406,7 +406,7 @@ ClockOffset find_clock_offset(std::vector<PointPath> estimate, std::span<const P
   const double start_s = chosen.step / options.grid_hz;
   if (options.frames == StreamFrames::turned) {
     const RigidTransform turn =
-        turn_at(joints, start_s, &BandPassedMotion::high_pass_m, &TruthGrid::quick_at);
+        rotation_at(joints, start_s, &BandPassedMotion::high_pass_m, &TruthGrid::quick_at);
     for (ComparedJoint& joint : joints)
       for (BandPassedMotion& motion : joint.estimate)
         motion.high_pass_m = turn.rotation.cast<float>() * motion.high_pass_m;

@@ -29,7 +29,7 @@ struct ExchangeEvidence {
   // That the sensor is in the same state (exchanged or not) as when it last saw the same joints.
   std::array<double, kMaxSensors> log_odds_unchanged{};
   // That two sensors are in the same state; symmetric.
-  std::array<std::array<double, kMaxSensors>, kMaxSensors> alike{};
+  std::array<std::array<double, kMaxSensors>, kMaxSensors> log_odds_same_state{};
 };
 
 using Eigen::Vector3d;
@@ -150,7 +150,7 @@ class ExchangeEvidenceSource {
             sum += clamped(
                 weight / kAlikeScale_m2 * sides[a].left_from_right_m[p].dot(sides[b].left_from_right_m[p]),
                 kAlikeMost);
-        evidence.alike[a][b] = evidence.alike[b][a] = sum;
+        evidence.log_odds_same_state[a][b] = evidence.log_odds_same_state[b][a] = sum;
       }
     }
     ++instant_;
@@ -228,11 +228,12 @@ class ExchangeEvidenceSource {
 
 // A state is a set of exchanged sensors, one bit a sensor.
 constexpr std::size_t kMaxStates = std::size_t{1} << kMaxSensors;
-using Costs = std::array<double, kMaxStates>;
+using RobustLoss = std::array<double, kMaxStates>;
 using Origins = std::array<std::uint8_t, kMaxStates>;
 
 // What the evidence of one instant says against each state, up to a constant.
-void costs_of(const ExchangeEvidence& evidence, std::size_t sensors, double prior_log_odds, Costs& costs) {
+void costs_of(const ExchangeEvidence& evidence, std::size_t sensors, double prior_log_odds,
+              RobustLoss& costs) {
   costs[0] = 0.0;
   for (std::size_t b = 0; b < sensors; ++b) {
     const std::size_t bit = std::size_t{1} << b;
@@ -240,14 +241,14 @@ void costs_of(const ExchangeEvidence& evidence, std::size_t sensors, double prio
     for (std::size_t state = 0; state < bit; ++state) {
       double cost = costs[state] + alone;
       for (std::size_t c = 0; c < sensors; ++c)
-        cost += (state >> c & 1u) ? -evidence.alike[b][c] : evidence.alike[b][c];
+        cost += (state >> c & 1u) ? -evidence.log_odds_same_state[b][c] : evidence.log_odds_same_state[b][c];
       costs[state | bit] = cost;
     }
   }
 }
 
 // The least cost of coming to each state when every sensor may begin or end to exchange, and where from.
-void step(const ExchangeEvidence& evidence, std::size_t sensors, double switching_cost, Costs& total,
+void step(const ExchangeEvidence& evidence, std::size_t sensors, double switching_cost, RobustLoss& total,
           Origins& origin) {
   const std::size_t states = std::size_t{1} << sensors;
   for (std::size_t state = 0; state < states; ++state) origin[state] = static_cast<std::uint8_t>(state);
@@ -277,14 +278,14 @@ bool has_any(const ObservedBody& body) {
 
 // Log odds of this sequence against its opposite, in which each sensor is exchanged where it is not here:
 // sensors that agree with each other and with themselves do so in both.
-double total_log_odds(const ExchangeRepair& repair, std::span<const double> log_odds_unswapped) {
+double total_log_odds(const SideSwapRepair& repair, std::span<const double> log_odds_unswapped) {
   double certainty = 0.0;
   for (std::size_t i = 0; i < log_odds_unswapped.size(); ++i)
-    certainty += repair.exchanged[i] ? -log_odds_unswapped[i] : log_odds_unswapped[i];
+    certainty += repair.sides_swapped[i] ? -log_odds_unswapped[i] : log_odds_unswapped[i];
   return certainty;
 }
 
-void count_stretches(const BodyTracks& tracks, ExchangeRepair& repair) {
+void count_stretches(const BodyTracks& tracks, SideSwapRepair& repair) {
   repair.stretches.assign(repair.sensors, 0);
   for (std::size_t a = 0; a < repair.sensors; ++a) {
     bool before = false;
@@ -298,18 +299,18 @@ void count_stretches(const BodyTracks& tracks, ExchangeRepair& repair) {
 
 }  // namespace
 
-ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTransform> world_from_sensor,
+SideSwapRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTransform> world_from_sensor,
                               const ExchangeOptions& options) {
   const std::size_t sensors = tracks.sensors(), instants = tracks.instants();
   TRILAT_CHECK(world_from_sensor.size() == sensors && sensors <= kMaxSensors,
                "every sensor has one pose and the rig is within the capacity");
-  ExchangeRepair repair{sensors, std::vector<std::uint8_t>(instants * sensors, 0), {}};
+  SideSwapRepair repair{sensors, std::vector<std::uint8_t>(instants * sensors, 0), {}};
   const std::size_t states = std::size_t{1} << sensors;
   const double prior_log_odds = sensors == 1 ? options.prior_log_odds_alone : options.prior_log_odds;
   ExchangeEvidenceSource source(tracks, world_from_sensor, options);
   std::vector<std::uint8_t> origins(instants * states);
   std::vector<double> log_odds_unswapped;  // instants x sensors
-  Costs total{}, costs;
+  RobustLoss total{}, costs;
   Origins origin;
   for (std::size_t i = 0; i < instants; ++i) {
     const ExchangeEvidence evidence = source.next();
@@ -324,17 +325,17 @@ ExchangeRepair find_exchanges(const BodyTracks& tracks, std::span<const RigidTra
   auto state = static_cast<std::size_t>(std::min_element(total.begin(), end) - total.begin());
   for (std::size_t i = instants; i-- > 0; state = origins[i * states + state])
     for (std::size_t a = 0; a < sensors; ++a)
-      repair.exchanged[i * sensors + a] = (state >> a & 1u) && has_any(tracks.at(i, a));
+      repair.sides_swapped[i * sensors + a] = (state >> a & 1u) && has_any(tracks.at(i, a));
   if (total_log_odds(repair, log_odds_unswapped) < options.min_log_odds)
-    std::ranges::fill(repair.exchanged, std::uint8_t{0});
+    std::ranges::fill(repair.sides_swapped, std::uint8_t{0});
   count_stretches(tracks, repair);
   return repair;
 }
 
-void undo_exchanges(BodyTracks& tracks, const ExchangeRepair& repair) {
-  TRILAT_CHECK(
-      repair.sensors == tracks.sensors() && repair.exchanged.size() == tracks.instants() * tracks.sensors(),
-      "the repair belongs to these tracks");
+void undo_exchanges(BodyTracks& tracks, const SideSwapRepair& repair) {
+  TRILAT_CHECK(repair.sensors == tracks.sensors() &&
+                   repair.sides_swapped.size() == tracks.instants() * tracks.sensors(),
+               "the repair belongs to these tracks");
   for (std::size_t i = 0; i < tracks.instants(); ++i) {
     for (std::size_t a = 0; a < tracks.sensors(); ++a) {
       if (!repair.at(i, a)) continue;

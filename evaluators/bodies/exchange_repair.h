@@ -27,14 +27,14 @@ struct ExchangeOptions {
 };
 
 // At which instants which sensors give left joints as right ones.
-struct ExchangeRepair {
+struct SideSwapRepair {
   std::size_t sensors = 0;
-  std::vector<std::uint8_t> exchanged;  // instants x sensors, instant by instant; 1 where exchanged
+  std::vector<std::uint8_t> sides_swapped;  // instants x sensors, instant by instant; 1 where exchanged
   std::vector<std::size_t>
       stretches;  // one a sensor: runs of exchanged bodies, missing ones in between or not
 
   bool at(std::size_t instant, std::size_t sensor) const {
-    return exchanged[instant * sensors + sensor] != 0;
+    return sides_swapped[instant * sensors + sensor] != 0;
   }
 };
 
@@ -43,12 +43,12 @@ struct ExchangeRepair {
 // hands are before the body's parts they belong to, and elbows behind. The world is y up; instants follow
 // each other at equal times. A sensor without a body is never exchanged. InternalError unless every sensor
 // has one pose and the rig is within kMaxSensors.
-[[nodiscard]] ExchangeRepair find_exchanges(const BodyTracks& tracks,
+[[nodiscard]] SideSwapRepair find_exchanges(const BodyTracks& tracks,
                                             std::span<const RigidTransform> world_from_sensor,
                                             const ExchangeOptions& options);
 
 // Gives every exchanged body its joints back: position and state of each joint and its mirror_of are swapped.
 // Doing it twice undoes it. InternalError when the two differ in size.
-void undo_exchanges(BodyTracks& tracks, const ExchangeRepair& repair);
+void undo_exchanges(BodyTracks& tracks, const SideSwapRepair& repair);
 
 }  // namespace trilat

@@ -111,14 +111,14 @@ class Clusters {
   std::vector<std::size_t> cluster_, best_;
 };
 
-struct Link {
-  double effort;  // distance and time, each as a part of what is allowed
+struct TrackletLink {
+  double cost;  // distance and time, each as a part of what is allowed
   std::size_t before, after;
 };
 
 // One tracklet after the other, or two of different sensors that overlap too shortly to be compared.
-std::optional<Link> link_of(std::span<const Tracklet> tracklets, std::size_t before, std::size_t after,
-                            const PersonOptions& options) {
+std::optional<TrackletLink> link_of(std::span<const Tracklet> tracklets, std::size_t before,
+                                    std::size_t after, const PersonOptions& options) {
   const Tracklet &a = tracklets[before], &b = tracklets[after];
   const double absence_s = seconds(b.time_ns.front() - a.time_ns.back());
   const double earliest_s = a.sensor == b.sensor ? 0.0 : -options.least_overlap_s;
@@ -127,17 +127,18 @@ std::optional<Link> link_of(std::span<const Tracklet> tracklets, std::size_t bef
   const double distance_m = (b.centre_in_world_m.front() - a.centre_in_world_m.back()).norm();
   const double farthest_m = options.same_m + options.fastest_m_s * away_s;
   if (distance_m > farthest_m) return std::nullopt;
-  return Link{distance_m / options.same_m + away_s, before, after};
+  return TrackletLink{distance_m / options.same_m + away_s, before, after};
 }
 
 void link_followers(std::span<const Tracklet> tracklets, const PersonOptions& options, Clusters& clusters) {
-  std::vector<Link> links;
+  std::vector<TrackletLink> links;
   for (std::size_t a = 0; a < tracklets.size(); ++a)
     for (std::size_t b = 0; b < tracklets.size(); ++b)
       if (a != b && clusters.of(a) != clusters.of(b))
         if (const auto link = link_of(tracklets, a, b, options)) links.push_back(*link);
-  std::ranges::stable_sort(links, [](const Link& a, const Link& b) { return a.effort < b.effort; });
-  for (const Link& link : links) {
+  std::ranges::stable_sort(links,
+                           [](const TrackletLink& a, const TrackletLink& b) { return a.cost < b.cost; });
+  for (const TrackletLink& link : links) {
     const auto [kept, gone] = std::minmax({clusters.of(link.before), clusters.of(link.after)});
     if (kept != gone && clusters.between(kept, gone) >= 0.0) clusters.join(kept, gone);
   }

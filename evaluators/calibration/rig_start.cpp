@@ -69,7 +69,7 @@ double second_extent_m(const std::vector<CommonPoint>& points) {
 struct PairFit {
   SensorPlacement placement = SensorPlacement::no_common_view;
   RigidTransform to_from_from;
-  std::size_t support = 0;
+  std::size_t inlier_count = 0;
 };
 
 PairFit fit_pair(const std::vector<CommonPoint>& points, std::uint64_t pair, const RigStartOptions& options) {
@@ -88,20 +88,20 @@ PairFit fit_pair(const std::vector<CommonPoint>& points, std::uint64_t pair, con
     }
     const auto fit = rigid_fit(triple);
     if (!fit) continue;
-    auto support = inliers(points, *fit, options.tolerance_m);
-    if (support.size() > best_points.size()) best_points = std::move(support);
+    auto inlier_count = inliers(points, *fit, options.tolerance_m);
+    if (inlier_count.size() > best_points.size()) best_points = std::move(inlier_count);
   }
   for (int round = 0; round < 3 && best_points.size() >= 3; ++round) {
     const auto fit = rigid_fit(best_points);
     if (!fit) break;
     best.to_from_from = *fit;
     best_points = inliers(points, *fit, options.tolerance_m);
-    best.support = best_points.size();
+    best.inlier_count = best_points.size();
     best.placement = SensorPlacement::placed;
   }
   if (best.placement == SensorPlacement::placed &&
-      (best.support < 3 || second_extent_m(best_points) < options.least_breadth_m))
-    best.placement = best.support < 3 ? SensorPlacement::disagrees : SensorPlacement::points_on_line;
+      (best.inlier_count < 3 || second_extent_m(best_points) < options.least_breadth_m))
+    best.placement = best.inlier_count < 3 ? SensorPlacement::disagrees : SensorPlacement::points_on_line;
   return best;
 }
 
@@ -136,7 +136,7 @@ RigStart initial_poses(const RigProblem& problem, const RigStartOptions& options
             start.placement[to] != SensorPlacement::placed)
           continue;
         const PairFit& fit = fits[from][to];
-        if (fit.placement == SensorPlacement::placed && (!best || fit.support > best->support)) {
+        if (fit.placement == SensorPlacement::placed && (!best || fit.inlier_count > best->inlier_count)) {
           best = &fit;
           best_from = from;
           best_to = to;

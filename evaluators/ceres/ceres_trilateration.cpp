@@ -74,7 +74,7 @@ Descent descend_by_ceres(const RangeProblem& problem, const CeresOptions& option
 }
 
 PointEstimate solve_ceres(const RangeProblem& problem, const CeresOptions& options) {
-  const SolveStatus refusal = refusal_of(problem);
+  const SolveStatus refusal = validate(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
   if (options.start == Start::point && !options.start_point_m.allFinite())
     return failed_estimate(SolveStatus::non_finite_input);

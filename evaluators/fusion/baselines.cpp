@@ -54,7 +54,7 @@ Eigen::Vector3d mean_of(const Points& points) {
 // The sum of distances about x, all that a step of the median needs.
 struct DistanceSum {
   double value_m = 0.0;
-  Eigen::Vector3d pull = Eigen::Vector3d::Zero();  // minus the gradient, without points at x itself
+  Eigen::Vector3d influence = Eigen::Vector3d::Zero();  // minus the gradient, without points at x itself
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
   Eigen::Vector3d weighted = Eigen::Vector3d::Zero();  // Weiszfeld's step goes to weighted / weights
   double weights = 0.0;
@@ -72,7 +72,7 @@ DistanceSum distance_sum(const Points& points, const Eigen::Vector3d& x) {
     }
     const Eigen::Vector3d direction = to / distance_m;
     sum.value_m += distance_m;
-    sum.pull += direction;
+    sum.influence += direction;
     sum.curvature += (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / distance_m;
     sum.weighted += points.at_m[i] / distance_m;
     sum.weights += 1.0 / distance_m;
@@ -83,12 +83,12 @@ DistanceSum distance_sum(const Points& points, const Eigen::Vector3d& x) {
 // Weiszfeld's step, which always makes the sum smaller off the points, or the one of Newton's step and its
 // halves that makes it smaller still: beside two points that nearly coincide whole ones go too far.
 Eigen::Vector3d median_step(const Points& points, const Eigen::Vector3d& x, const DistanceSum& sum) {
-  const double length = sum.pull.norm();
+  const double length = sum.influence.norm();
   const double stay = length > 0.0 ? std::min(1.0, sum.on_it / length) : 1.0;
   Eigen::Vector3d best = (1.0 - stay) * (sum.weighted / sum.weights) + stay * x;
   if (sum.on_it > 0.0) return best;
   double least_m = distance_sum(points, best).value_m;
-  const Eigen::Vector3d newton_m = sum.curvature.ldlt().solve(sum.pull);
+  const Eigen::Vector3d newton_m = sum.curvature.ldlt().solve(sum.influence);
   constexpr int kHalvings = 12;
   for (int k = 0; k <= kHalvings && newton_m.allFinite(); ++k) {
     const Eigen::Vector3d next = x + std::ldexp(1.0, -k) * newton_m;
@@ -108,7 +108,7 @@ PointEstimate median_of(const Points& points, const MedianOptions& options) {
   if (points.count <= 2) return estimate_at(x, SolveStatus::closed_form, 0);
   for (std::size_t i = 0; i < points.count; ++i) {  // a point that the others cannot pull away from
     const DistanceSum sum = distance_sum(points, points.at_m[i]);
-    if (sum.pull.norm() <= sum.on_it) return estimate_at(points.at_m[i], SolveStatus::closed_form, 0);
+    if (sum.influence.norm() <= sum.on_it) return estimate_at(points.at_m[i], SolveStatus::closed_form, 0);
   }
   for (int k = 1; k <= options.max_iterations; ++k) {
     const Eigen::Vector3d next = median_step(points, x, distance_sum(points, x));

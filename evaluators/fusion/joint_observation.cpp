@@ -25,7 +25,7 @@ RangeProblem ranges_of(std::span<const JointObservation> observations,
     sum_m += observations[i].point_in_world_m;
     ++problem.count;
   }
-  if (problem.count > 0) problem.hint_m = sum_m / problem.count;
+  if (problem.count > 0) problem.guess_m = sum_m / problem.count;
   return problem;
 }
 

@@ -30,7 +30,7 @@ JointObservation observe(const Eigen::Vector3d& point_in_sensor_m, TrackingState
 using SensorMask = std::bitset<kMaxSensors>;
 inline constexpr SensorMask kAllSensors{(1u << kMaxSensors) - 1u};
 
-// The ranges of the allowed sensors that see the joint, and as hint the mean of their points.
+// The ranges of the allowed sensors that see the joint, and as guess the mean of their points.
 // InternalError when the two lists differ in length or exceed kMaxSensors.
 RangeProblem ranges_of(std::span<const JointObservation> observations,
                        std::span<const RigidTransform> world_from_sensor, SensorMask allowed = kAllSensors);

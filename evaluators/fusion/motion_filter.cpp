@@ -73,8 +73,8 @@ void MotionFilter::update(const PositionInformation& measured) {
   const Eigen::Matrix3d inverse =
       (Eigen::Matrix3d::Identity() + measured.matrix * p.topLeftCorner<3, 3>()).inverse();
   step.gain = inverse * measured.matrix;
-  step.pull = inverse * (measured.vector - measured.matrix * step.predicted.mean.head<3>());
-  now_.mean = step.predicted.mean + p.leftCols<3>() * step.pull;
+  step.influence = inverse * (measured.vector - measured.matrix * step.predicted.mean.head<3>());
+  now_.mean = step.predicted.mean + p.leftCols<3>() * step.influence;
   now_.covariance = p - p.leftCols<3>() * (step.gain * p.topRows<3>());
 }
 
@@ -88,7 +88,7 @@ void MotionFilter::smooth(std::size_t instants, bool with_covariances,
   for (std::size_t i = instants; i-- > 0;) {
     const Step& step = steps_[i];
     const Matrix6& p = step.predicted.covariance;
-    adjoint.head<3>() += step.pull - step.gain * (p.topRows<3>() * adjoint);
+    adjoint.head<3>() += step.influence - step.gain * (p.topRows<3>() * adjoint);
     MotionState state{step.predicted.mean + p * adjoint, Matrix6::Zero()};
     if (with_covariances) {
       Matrix6 rest = Matrix6::Identity();  // I - P E G E^T

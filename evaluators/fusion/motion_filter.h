@@ -66,8 +66,8 @@ class MotionFilter {
   struct Step {
     double step_s = 0.0;  // from the instant before
     MotionState predicted;
-    Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();  // A (I + P A)^-1 of A measured, P predicted
-    Eigen::Vector3d pull = Eigen::Vector3d::Zero();  // (I + A P)^-1 (b - A x)
+    Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();       // A (I + P A)^-1 of A measured, P predicted
+    Eigen::Vector3d influence = Eigen::Vector3d::Zero();  // (I + A P)^-1 (b - A x)
   };
 
   double density_;

@@ -22,7 +22,7 @@ constexpr double kMinSigma_m = 1e-4;
 enum Component { along_rays, across_rays, inferred_joints };
 
 // Sums over sensors: squared residuals in sigmas, and their degrees of freedom.
-struct Disagreement {
+struct VarianceSums {
   Eigen::Array3d square = Eigen::Array3d::Zero(), freedom = Eigen::Array3d::Zero();
 };
 
@@ -40,7 +40,7 @@ double bearing_variance(const RaySigma& sigma, bool inferred) {
 
 // Adds the disagreement of one placed row. Its unknown place takes 3 degrees of freedom in all.
 void add_disagreement(const RayViews& row, std::span<const RigidTransform> rig, const RaySigma& sigma,
-                      Disagreement& sum) {
+                      VarianceSums& sum) {
   const double trace = row.covariance.trace();
   for (const RayView& view : row.views) {
     const Eigen::Vector3d u = ray_of(row, rig[view.sensor]), e = view.linearised_point_m - row.position_m;
@@ -62,7 +62,7 @@ void add_disagreement(const RayViews& row, std::span<const RigidTransform> rig, 
 std::vector<Eigen::Vector3d> scores(RayRows& rows, std::span<const RigidTransform> rig,
                                     const RaySigma& sigma) {
   constexpr int kPlacings = 3;
-  std::map<std::uint32_t, Disagreement> of_cluster;
+  std::map<std::uint32_t, VarianceSums> of_cluster;
   for (RayViews& row : rows.rows) {
     for (int k = 0; k < kPlacings; ++k) place(row, rig, sigma);
     add_disagreement(row, rig, sigma, of_cluster[row.cluster]);
@@ -163,7 +163,7 @@ void place(RayViews& row, std::span<const RigidTransform> rig, const RaySigma& s
 bool converge(RayRows& rows, std::span<const RigidTransform> rig, double tolerance, int most_rounds,
               RaySigma& sigma) {
   for (int k = 0; k < most_rounds; ++k) {
-    Disagreement sum;
+    VarianceSums sum;
     for (RayViews& row : rows.rows) {
       place(row, rig, sigma);
       add_disagreement(row, rig, sigma, sum);

@@ -29,10 +29,10 @@ constexpr double kVarianceTolerance = 1e-4;
 constexpr double kNormalQuantile = 1.959964;  // of 95 %
 constexpr double kMinPrior = 1e-4;            // rad or m
 
-Eigen::Quaterniond inverse_rotation(const Eigen::Vector3d& turn_rad) {
-  const double angle_rad = turn_rad.norm();
+Eigen::Quaterniond inverse_rotation(const Eigen::Vector3d& rotation_rad) {
+  const double angle_rad = rotation_rad.norm();
   if (angle_rad == 0.0) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(-angle_rad, turn_rad / angle_rad));
+  return Eigen::Quaterniond(Eigen::AngleAxisd(-angle_rad, rotation_rad / angle_rad));
 }
 
 class Calibrator {
@@ -78,8 +78,8 @@ class Calibrator {
   PoseCorrection correction_of(std::size_t s) const {
     const auto of = theta_.segment<kParameters>(kParameters * static_cast<Eigen::Index>(s));
     PoseCorrection correction;
-    correction.turn_rad = of.head<3>();
-    correction.shift_m = of.segment<3>(3);
+    correction.rotation_rad = of.head<3>();
+    correction.translation_m = of.segment<3>(3);
     correction.range_m = of[6];
     return correction;
   }
@@ -89,7 +89,7 @@ class Calibrator {
     std::vector<Eigen::Matrix3d> back;
     for (std::size_t s = 0; s < rig_.size(); ++s) {
       const PoseCorrection c = correction_of(s);
-      back.push_back(inverse_rotation(c.turn_rad).toRotationMatrix());
+      back.push_back(inverse_rotation(c.rotation_rad).toRotationMatrix());
       poses_.push_back(corrected_pose(rig_[s], c));
     }
     auto stated_m = stated_m_.begin();
@@ -205,7 +205,8 @@ class Calibrator {
   using KindArray = Eigen::Array<double, kParameters, 1>;  // a number for each parameter of a sensor
   static KindArray squared(const PosePriors& p) {
     KindArray sigma;
-    sigma << p.turn_rad, p.turn_rad, p.turn_rad, p.shift_m, p.shift_m, p.shift_m, p.range_m;
+    sigma << p.rotation_rad, p.rotation_rad, p.rotation_rad, p.translation_m, p.translation_m,
+        p.translation_m, p.range_m;
     return sigma.square();
   }
 
@@ -241,11 +242,11 @@ class Calibrator {
                       std::sqrt((stated_count * stated * stated + squares.segment(first, count).sum()) /
                                 (stated_count + freedom)));
     };
-    return {sigma(stated_priors_.turn_rad, 0, 3), sigma(stated_priors_.shift_m, 3, 3),
+    return {sigma(stated_priors_.rotation_rad, 0, 3), sigma(stated_priors_.translation_m, 3, 3),
             sigma(stated_priors_.range_m, 6, 1)};
   }
   PosePriors only_narrower(const PosePriors& estimated) const {
-    return {estimated.turn_rad, std::min(stated_priors_.shift_m, estimated.shift_m),
+    return {estimated.rotation_rad, std::min(stated_priors_.translation_m, estimated.translation_m),
             std::min(stated_priors_.range_m, estimated.range_m)};
   }
 
@@ -283,7 +284,7 @@ class Calibrator {
 
 // Median and 95 % interval of a normal vector's length: the squared length is taken as gamma distributed with
 // the mean and variance that it has; from 0 where the vector may be none, NaN where nothing is known of it.
-Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+Interval length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
   const double square = mean.squaredNorm() + covariance.trace();
   const double variance = 2.0 * (covariance * covariance).trace() + 4.0 * mean.dot(covariance * mean);
   if (variance == 0.0) return {std::sqrt(square), std::sqrt(square), std::sqrt(square)};
@@ -299,19 +300,19 @@ Magnitude length_of(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covarian
 }  // namespace
 
 RigidTransform corrected_pose(const RigidTransform& world_from_sensor, const PoseCorrection& correction) {
-  return {(inverse_rotation(correction.turn_rad) * world_from_sensor.rotation).normalized(),
-          world_from_sensor.translation_m - correction.shift_m};
+  return {(inverse_rotation(correction.rotation_rad) * world_from_sensor.rotation).normalized(),
+          world_from_sensor.translation_m - correction.translation_m};
 }
 
 JointObservation corrected_view(const JointObservation& observation, const RigidTransform& world_from_sensor,
                                 const PoseCorrection& correction) {
   JointObservation result = observation;
   if (!observation.seen || !(observation.range_m > kOnSensor_m)) return result;
-  const Eigen::Vector3d v = inverse_rotation(correction.turn_rad) *
+  const Eigen::Vector3d v = inverse_rotation(correction.rotation_rad) *
                             (observation.point_in_world_m - world_from_sensor.translation_m);
   result.range_m = observation.range_m - correction.range_m;
   result.point_in_world_m =
-      world_from_sensor.translation_m - correction.shift_m + v * (result.range_m / observation.range_m);
+      world_from_sensor.translation_m - correction.translation_m + v * (result.range_m / observation.range_m);
   return result;
 }
 
@@ -321,8 +322,8 @@ CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size
   const double quantile = student_quantile(calibration.joints - 1);
   const Eigen::Matrix<double, 7, 7> covariance = c.covariance * std::pow(quantile / kNormalQuantile, 2);
   const double reach_m = kNormalQuantile * std::sqrt(covariance(6, 6));
-  return {length_of(c.turn_rad, covariance.topLeftCorner<3, 3>()),
-          length_of(c.shift_m, covariance.block<3, 3>(3, 3)),
+  return {length_of(c.rotation_rad, covariance.topLeftCorner<3, 3>()),
+          length_of(c.translation_m, covariance.block<3, 3>(3, 3)),
           {c.range_m, c.range_m - reach_m, c.range_m + reach_m}};
 }
 
@@ -332,7 +333,7 @@ SelfCalibration self_calibrate(std::span<const JointObservation> observations,
   TRILAT_CHECK(observations.size() == world_from_sensor.size() * joint.size() &&
                    world_from_sensor.size() <= kMaxSensors,
                "every row has an observation of every sensor");
-  TRILAT_CHECK(priors.turn_rad > 0.0 && priors.shift_m > 0.0 && priors.range_m > 0.0,
+  TRILAT_CHECK(priors.rotation_rad > 0.0 && priors.translation_m > 0.0 && priors.range_m > 0.0,
                "priors are greater than 0");
   Calibrator calibrator(observations, world_from_sensor, joint, priors);
   SelfCalibration result;

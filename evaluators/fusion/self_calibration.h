@@ -12,9 +12,10 @@ namespace trilat {
 
 // How a sensor stands and measures beside what its calibration says. Covariance: of (turn, shift, range).
 struct PoseCorrection {
-  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  // rotation vector about the sensor, in the world
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();   // what it sees is so far from its place, in the world
-  double range_m = 0.0;                                // its ranges are so much too long
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();  // rotation vector about the sensor, in the world
+  Eigen::Vector3d translation_m =
+      Eigen::Vector3d::Zero();  // what it sees is so far from its place, in the world
+  double range_m = 0.0;         // its ranges are so much too long
   Eigen::Matrix<double, 7, 7> covariance = Eigen::Matrix<double, 7, 7>::Zero();
   std::size_t views = 0;         // that it was found from
   double residual_rms_m = kNaN;  // of these, an axis; NaN without any
@@ -28,8 +29,8 @@ JointObservation corrected_view(const JointObservation& observation, const Rigid
 // Standard deviations of a sensor's turn, shift (each an axis) and range offset before anything was seen.
 // Positive.
 struct PosePriors {
-  double turn_rad = 0.03;
-  double shift_m = 0.01;
+  double rotation_rad = 0.03;
+  double translation_m = 0.01;
   double range_m = 0.015;
 };
 
@@ -41,11 +42,11 @@ struct SelfCalibration {
 
 // How much a sensor is turned (rad), shifted (m) and measures too far (m), with 95 % intervals of Student's t
 // over the joints. Of turn and shift the median of the length; from 0 where there may be none.
-struct Magnitude {
+struct Interval {
   double value = kNaN, low = kNaN, high = kNaN;
 };
 struct CorrectionMagnitudes {
-  Magnitude turn_rad, shift_m, range_m;
+  Interval rotation_rad, translation_m, range_m;
 };
 CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor);
 

@@ -69,14 +69,14 @@ double gamma_quantile(double p, double shape, double scale) {
 
 namespace {
 
-double half_width(const ContrastEstimate& e, double alpha) {
+double half_width(const Estimate& e, double alpha) {
   return e.clusters < 2 ? kNaN : student_quantile(e.clusters - 1, alpha) * e.standard_error;
 }
 
 // The weighted sum of some ratios, and what each cluster pulls it by.
 struct RatioSum {
   double value = 0.0;
-  std::vector<double> pull;
+  std::vector<double> influence;
 };
 
 RatioSum sum_of(const std::vector<WeightedRatio>& ratios, std::size_t clusters) {
@@ -88,23 +88,23 @@ RatioSum sum_of(const std::vector<WeightedRatio>& ratios, std::size_t clusters) 
     const double value = denominator > 0.0 ? numerator / denominator : kNaN;
     sum.value += ratio.weight * value;
     for (std::size_t c = 0; c < clusters; ++c)
-      sum.pull[c] += ratio.weight * (ratio.numerator[c] - value * ratio.denominator[c]) / denominator;
+      sum.influence[c] += ratio.weight * (ratio.numerator[c] - value * ratio.denominator[c]) / denominator;
   }
   return sum;
 }
 
 }  // namespace
 
-double ContrastEstimate::low() const { return low(0.05); }
-double ContrastEstimate::high() const { return high(0.05); }
-double ContrastEstimate::low(double alpha) const { return value - half_width(*this, alpha); }
-double ContrastEstimate::high(double alpha) const { return value + half_width(*this, alpha); }
-double ContrastEstimate::p_value() const {
+double Estimate::low() const { return low(0.05); }
+double Estimate::high() const { return high(0.05); }
+double Estimate::low(double alpha) const { return value - half_width(*this, alpha); }
+double Estimate::high(double alpha) const { return value + half_width(*this, alpha); }
+double Estimate::p_value() const {
   return clusters < 2 ? kNaN : student_two_sided(value / standard_error, clusters - 1);
 }
 
-ContrastEstimate solve_contrast(const Contrast& contrast) {
-  ContrastEstimate result;
+Estimate solve_contrast(const Contrast& contrast) {
+  Estimate result;
   if (contrast.value.empty()) return result;
   const std::size_t clusters = contrast.value.front().numerator.size();
   for (std::size_t c = 0; c < clusters; ++c)
@@ -115,26 +115,26 @@ ContrastEstimate solve_contrast(const Contrast& contrast) {
     const RatioSum base = sum_of(contrast.base, clusters);
     value.value /= base.value;
     for (std::size_t c = 0; c < clusters; ++c)
-      value.pull[c] = (value.pull[c] - value.value * base.pull[c]) / base.value;
+      value.influence[c] = (value.influence[c] - value.value * base.influence[c]) / base.value;
   }
   if (std::isnan(value.value)) return result;
   result.value = value.value;
   if (result.clusters < 2) return result;
   double squares = 0.0;
-  for (const double pull : value.pull) squares += pull * pull;
+  for (const double influence : value.influence) squares += influence * influence;
   const auto n = static_cast<double>(result.clusters);
   result.standard_error = std::sqrt(n / (n - 1.0) * squares);
   return result;
 }
 
-bool differs_significantly(const ContrastEstimate& difference, std::size_t others) {
+bool differs_significantly(const Estimate& difference, std::size_t others) {
   constexpr double kChance = 0.05;
   if (!(difference.value > 0.0) || difference.clusters < 2) return false;
   return difference.p_value() / 2.0 < kChance / static_cast<double>(others);
 }
 
 std::pair<double, double> mean_interval(const std::vector<double>& sums, const std::vector<double>& counts) {
-  const ContrastEstimate mean = solve_contrast({{{sums, counts}}, {}});
+  const Estimate mean = solve_contrast({{{sums, counts}}, {}});
   return {mean.low_of_size(), mean.high()};
 }
 
@@ -172,7 +172,7 @@ ShareEstimate estimate_share(double successes, double trials) {
 }
 
 ShareEstimate estimate_share(const std::vector<double>& successes, const std::vector<double>& samples) {
-  const ContrastEstimate mean = solve_contrast({{{successes, samples}}, {}});
+  const Estimate mean = solve_contrast({{{successes, samples}}, {}});
   ShareEstimate none{.value = mean.value, .clusters = mean.clusters};
   if (mean.clusters < 2) return none;
   double all = 0.0;

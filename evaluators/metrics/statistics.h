@@ -45,7 +45,7 @@ struct Contrast {
   std::vector<WeightedRatio> value, base;
 };
 
-struct ContrastEstimate {
+struct Estimate {
   double value = kNaN;
   double standard_error = kNaN;  // between clusters, by linearisation; NaN for fewer than 2
   std::size_t clusters = 0;      // with samples in any ratio of `value`
@@ -64,13 +64,13 @@ struct ContrastEstimate {
 // NaN when a ratio has no samples at all. The standard error is that between clusters, by linearisation: u_k
 // is what cluster k pulls the value by, se^2 = n / (n - 1) sum u_k^2 (Cochran, Sampling Techniques, 1977,
 // section 6.4). How often the intervals cover the truth: docs/explanation/intervals.md.
-ContrastEstimate solve_contrast(const Contrast& contrast);
+Estimate solve_contrast(const Contrast& contrast);
 
 // Whether a method errs significantly more than the best of `others` methods, by the paired difference to it:
 // a one-sided test at 0.05 / others (Bonferroni), since the best was chosen by the data that it is tested
 // on. The methods that do not then hold the truly best in 95 % of campaigns at least. False without a
 // standard error.
-bool differs_significantly(const ContrastEstimate& difference, std::size_t others);
+bool differs_significantly(const Estimate& difference, std::size_t others);
 
 // The 95 % interval of the mean size sum(sums) / sum(counts), one of each a cluster; not below zero, and NaN
 // with fewer than two.

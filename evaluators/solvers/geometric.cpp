@@ -17,7 +17,7 @@ constexpr double kLineRatio = 1e-6;
 
 RangeProblem only(const RangeProblem& problem, const std::array<int, 3>& sensors) {
   RangeProblem three;
-  three.hint_m = problem.hint_m;
+  three.guess_m = problem.guess_m;
   for (const int sensor : sensors) {
     for (int i = 0; i < problem.count; ++i) {
       if (problem.rig_index[i] != sensor || three.count == 3) continue;
@@ -66,7 +66,7 @@ SphereIntersection intersection_of(const RangeProblem& three) {
 }  // namespace
 
 PointEstimate solve_geometric(const RangeProblem& problem, const GeometricOptions& options) {
-  const SolveStatus refusal = refusal_of(problem);
+  const SolveStatus refusal = validate(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
   const RangeProblem three = only(problem, options.sensors);
   if (three.count < 3) return failed_estimate(SolveStatus::too_few_ranges);
@@ -82,7 +82,7 @@ PointEstimate solve_geometric(const RangeProblem& problem, const GeometricOption
   const Eigen::Vector3d up_m = std::sqrt(meeting.height_squared_m2) * meeting.normal;
   const Eigen::Vector3d above_m = meeting.foot_m + up_m;
   const Eigen::Vector3d below_m = meeting.foot_m - up_m;
-  const MirrorChoice choice = choose_mirror(above_m, below_m, three.hint_m);
+  const MirrorChoice choice = choose_mirror(above_m, below_m, three.guess_m);
   return estimate_at(three, choice.first ? above_m : below_m,
                      choice.decided ? SolveStatus::closed_form : SolveStatus::mirror_ambiguous, 0);
 }

@@ -51,7 +51,7 @@ std::optional<Eigen::Vector3d> linear_position_m(const RangeProblem& problem, co
 }
 
 PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options) {
-  const SolveStatus refusal = refusal_of(problem);
+  const SolveStatus refusal = validate(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
   const auto x_m = linear_position_m(problem, options);
   if (!x_m) return failed_estimate(SolveStatus::rank_deficient);
@@ -60,7 +60,7 @@ PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& opt
   if (std::sqrt(plane.scatter_m2[0]) >= kThick * options.range_sigma_m)
     return estimate_at(problem, *x_m, SolveStatus::closed_form, 0);
   const Eigen::Vector3d image_m = plane.mirrored(*x_m);
-  const MirrorChoice choice = choose_mirror(*x_m, image_m, problem.hint_m);
+  const MirrorChoice choice = choose_mirror(*x_m, image_m, problem.guess_m);
   return estimate_at(problem, choice.first ? *x_m : image_m,
                      choice.decided ? SolveStatus::closed_form : SolveStatus::mirror_ambiguous, 0);
 }

@@ -40,7 +40,7 @@ struct LinearOptions {
 // decides between the answer and its mirror image. Ends with closed_form, mirror_ambiguous or rank_deficient.
 [[nodiscard]] PointEstimate solve_linear(const RangeProblem& problem, const LinearOptions& options);
 
-// Only the position, of a problem that refusal_of() does not refuse; nothing when rank deficient.
+// Only the position, of a problem that validate() does not refuse; nothing when rank deficient.
 std::optional<Eigen::Vector3d> linear_position_m(const RangeProblem& problem, const LinearOptions& options);
 
 }  // namespace trilat

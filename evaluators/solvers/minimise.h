@@ -67,7 +67,7 @@ Descent minimise(const Linearise& linearise, const Eigen::Vector3d& start_m, dou
   constexpr double kRounding = 4e-15;  // of rounding_scale: a smaller change of F is rounding
   // Damping below which newton uses the whole Hessian: Gauss-Newton has then predicted F well. Farther off
   // the Hessian is indefinite, and its steps may leave for another minimum.
-  constexpr double kTrusted = 2e-5;
+  constexpr double kHessianBelow = 2e-5;
   Curvature curvature = Curvature::gauss_newton;
   Linearised here = linearise(start_m, curvature);
   Descent now{start_m, SolveStatus::iteration_limit, 0, here.cost};
@@ -102,7 +102,7 @@ Descent minimise(const Linearise& linearise, const Eigen::Vector3d& start_m, dou
     damping *= is_taken ? damping_factor(gained, predicted) : growth;
     growth = is_taken ? 2.0 : 2.0 * growth;
     if (options.curvature == Curvature::newton)
-      curvature = damping < kTrusted ? Curvature::newton : Curvature::gauss_newton;
+      curvature = damping < kHessianBelow ? Curvature::newton : Curvature::gauss_newton;
     if (!is_taken) continue;
     now.position_m = there_m;
     now.cost = there.cost;

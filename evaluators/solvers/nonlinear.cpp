@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Why a problem has no descent; not_solved where it has.
-SolveStatus refusal_of(const SensorPlane& plane, const NonlinearOptions& options) {
+SolveStatus validate(const SensorPlane& plane, const NonlinearOptions& options) {
   if (options.start == Start::point && !options.start_point_m.allFinite())
     return SolveStatus::non_finite_input;
   return plane.collinear ? SolveStatus::rank_deficient : SolveStatus::not_solved;
@@ -61,7 +61,7 @@ void solve_undamped(std::span<const RangeProblem> problems, const NonlinearOptio
                     std::span<PointEstimate> estimates) {
   std::vector<std::size_t> order;
   for (std::size_t p = 0; p < problems.size(); ++p) {
-    estimates[p] = failed_estimate(refusal_of(problems[p]));
+    estimates[p] = failed_estimate(validate(problems[p]));
     if (estimates[p].status == SolveStatus::not_solved) order.push_back(p);
   }
   std::ranges::stable_sort(
@@ -72,7 +72,7 @@ void solve_undamped(std::span<const RangeProblem> problems, const NonlinearOptio
         first, order.end(), [&](std::size_t p) { return !same_sensors(problems[p], problems[*first]); });
     const SensorPlane plane = plane_of(problems[*first]);
     const std::span<const std::size_t> members{first, last};
-    const SolveStatus refusal = refusal_of(plane, options);
+    const SolveStatus refusal = validate(plane, options);
     for (const std::size_t p : members) {
       estimates[p].status = refusal;
       if (refusal == SolveStatus::not_solved) descents[p].position_m = start_of(problems[p], plane, options);
@@ -85,9 +85,9 @@ void solve_undamped(std::span<const RangeProblem> problems, const NonlinearOptio
   }
 }
 
-// Solves a problem that refusal_of() does not refuse; `plane` is its own.
+// Solves a problem that validate() does not refuse; `plane` is its own.
 PointEstimate solve(const RangeProblem& problem, const SensorPlane& plane, const NonlinearOptions& options) {
-  const SolveStatus refusal = refusal_of(plane, options);
+  const SolveStatus refusal = validate(plane, options);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
   const Vector3d start_m = start_of(problem, plane, options);
   const auto descend_from = [&](const Vector3d& from_m) { return descend(problem, from_m, options); };
@@ -102,14 +102,14 @@ PointEstimate solve(const RangeProblem& problem, const SensorPlane& plane, const
 Vector3d requested_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
                            const Vector3d& start_point_m, const LinearOptions& linear) {
   if (start == Start::point) return start_point_m;
-  if (start == Start::hint && problem.hint_m) return *problem.hint_m;
+  if (start == Start::guess && problem.guess_m) return *problem.guess_m;
   if (start == Start::linear)
     if (const auto x_m = linear_position_m(problem, linear)) return *x_m;
   return solve_squared_ranges(problem, plane);
 }
 
 PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options) {
-  const SolveStatus refusal = refusal_of(problem);
+  const SolveStatus refusal = validate(problem);
   if (refusal != SolveStatus::not_solved) return failed_estimate(refusal);
   return solve(problem, plane_of(problem), options);
 }
@@ -121,7 +121,7 @@ void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOpti
   SensorPlane plane;
   const RangeProblem* before = nullptr;  // whose plane that is
   for (std::size_t p = 0; p < problems.size(); ++p) {
-    const SolveStatus refusal = refusal_of(problems[p]);
+    const SolveStatus refusal = validate(problems[p]);
     estimates[p] = failed_estimate(refusal);
     if (refusal != SolveStatus::not_solved) continue;
     if (!before || !same_sensors(problems[p], *before)) plane = plane_of(problems[p]);

@@ -15,7 +15,7 @@ namespace trilat {
 enum class Start : std::uint8_t {
   squared_ranges,  // solve_squared_ranges(): the global minimum of a nearby problem
   linear,          // solve_linear(); when that has no answer, squared_ranges
-  hint,            // the problem's hint; without one, squared_ranges
+  guess,           // the problem's guess; without one, squared_ranges
   point,           // start_point_m
 };
 
@@ -25,7 +25,7 @@ struct NonlinearOptions : DescentOptions {
   Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
   LinearOptions linear;  // of the linear start
   // Of a range: on which side of the sensors' plane the joint is, ranges decide only where ranges_decide(),
-  // else the hint. 0: the lower cost wins, however little lower.
+  // else the guess. 0: the lower cost wins, however little lower.
   double range_sigma_m = kUsualRangeSigma_m;
 };
 
@@ -45,7 +45,7 @@ struct NonlinearOptions : DescentOptions {
 void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOptions& options,
                      std::span<PointEstimate> estimates);
 
-// Where the options want to start. The problem must be one that refusal_of() does not refuse, and `plane` its
+// Where the options want to start. The problem must be one that validate() does not refuse, and `plane` its
 // own, not collinear.
 Eigen::Vector3d requested_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
                                   const Eigen::Vector3d& start_point_m, const LinearOptions& linear);

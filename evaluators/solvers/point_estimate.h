@@ -19,10 +19,10 @@ enum class SolveStatus : std::uint8_t {
   closed_form = 2,       // an exact formula, no iteration
   clamped = 3,           // geometric: h^2 < -1e-10 r^2, so the spheres do not meet; h^2 := 0
   iteration_limit = 4,   // iterations = max_iterations and the stop rule never held
-  mirror_ambiguous = 5,  // two solutions fit equally well and no hint is < 1/2 as far from one
+  mirror_ambiguous = 5,  // two solutions fit equally well and no guess is < 1/2 as far from one
   rank_deficient = 6,    // directions do not span space; each method states its inequality
   too_few_ranges = 7,    // fewer than 3 ranges, or not all of the sensors the setting names
-  non_finite_input = 8,  // a sensor, range, hint or start is NaN or infinite
+  non_finite_input = 8,  // a sensor, range, guess or start is NaN or infinite
   invalid_input = 9,     // range < 0
   diverged = 10,         // an iterate or its cost is not finite
   no_observation = 11,   // a baseline: no allowed sensor sees the joint; or nothing is given for it

@@ -7,7 +7,7 @@
 
 namespace trilat {
 
-SolveStatus refusal_of(const RangeProblem& problem) {
+SolveStatus validate(const RangeProblem& problem) {
   TRILAT_CHECK(problem.count >= 0 && problem.count <= kMaxSensors, "a problem holds its sensors");
   bool valid = true;
   for (int i = 0; i < problem.count; ++i) {
@@ -15,7 +15,7 @@ SolveStatus refusal_of(const RangeProblem& problem) {
     if (!std::isfinite(sum)) return SolveStatus::non_finite_input;
     valid = valid && problem.range_m[i] >= 0.0;
   }
-  if (problem.hint_m && !problem.hint_m->allFinite()) return SolveStatus::non_finite_input;
+  if (problem.guess_m && !problem.guess_m->allFinite()) return SolveStatus::non_finite_input;
   if (!valid) return SolveStatus::invalid_input;
   return problem.count < 3 ? SolveStatus::too_few_ranges : SolveStatus::not_solved;
 }

@@ -23,11 +23,11 @@ struct RangeProblem {
   std::array<int, kMaxSensors> rig_index{0, 1, 2, 3, 4, 5, 6, 7};
   // Roughly where the joint is in the world, such as the mean of the sensors' own positions. It only decides
   // between mirror solutions and may serve as a start; nothing is pulled towards it.
-  std::optional<Eigen::Vector3d> hint_m;
+  std::optional<Eigen::Vector3d> guess_m;
 };
 
 // not_solved when the problem may be solved, else why not: too_few_ranges, non_finite_input or invalid_input.
 // InternalError when `count` is beyond the capacity.
-[[nodiscard]] SolveStatus refusal_of(const RangeProblem& problem);
+[[nodiscard]] SolveStatus validate(const RangeProblem& problem);
 
 }  // namespace trilat

@@ -116,7 +116,7 @@ Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, co
     chosen = first_is_lower ? first : second;
     const bool one_side = plane.offset_m(first.position_m) * plane.offset_m(second.position_m) > 0.0;
     if (!one_side && costs_do_not_decide(problem, first, second, range_sigma_m)) {
-      const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.hint_m);
+      const MirrorChoice choice = choose_mirror(first.position_m, second.position_m, problem.guess_m);
       if (choice.decided)
         chosen = choice.first ? first : second;
       else

@@ -48,19 +48,19 @@ inline bool ranges_decide(double cost_difference_m2, double range_sigma_m) {
   return cost_difference_m2 > kTwiceLogOdds * range_sigma_m * range_sigma_m;
 }
 
-// Two solutions that fit equally well, and which of them is meant. A hint decides when it is less than half
+// Two solutions that fit equally well, and which of them is meant. A guess decides when it is less than half
 // as far from one as from the other; otherwise the choice is ambiguous, and `first` tells the nearer one (the
-// first, without a hint).
+// first, without a guess).
 struct MirrorChoice {
   bool first = true;
   bool decided = false;
 };
 
 inline MirrorChoice choose_mirror(const Eigen::Vector3d& first_m, const Eigen::Vector3d& second_m,
-                                  const std::optional<Eigen::Vector3d>& hint_m) {
-  if (!hint_m) return {};
-  const double to_first_m = (*hint_m - first_m).norm();
-  const double to_second_m = (*hint_m - second_m).norm();
+                                  const std::optional<Eigen::Vector3d>& guess_m) {
+  if (!guess_m) return {};
+  const double to_first_m = (*guess_m - first_m).norm();
+  const double to_second_m = (*guess_m - second_m).norm();
   return {to_first_m <= to_second_m, to_first_m < 0.5 * to_second_m || to_second_m < 0.5 * to_first_m};
 }
 
@@ -75,7 +75,7 @@ Eigen::Vector3d plausible_start(const RangeProblem& problem, const SensorPlane& 
 
 // Chooses between two descents. When ranges_decide(), or both ended on one side of the sensors' plane, the
 // lower cost wins, else choose_mirror() decides, and without a decision the status is mirror_ambiguous, of
-// the lower one. A range_sigma_m of 0 leaves to the hint only costs that are equal but for rounding. The
+// the lower one. A range_sigma_m of 0 leaves to the guess only costs that are equal but for rounding. The
 // iterations of both are added.
 Descent choose_minimum(const RangeProblem& problem, const SensorPlane& plane, const Descent& first,
                        const Descent& second, double range_sigma_m);

@@ -25,7 +25,7 @@ constexpr int kBeside_px = 2;            // none is used so near one that is hid
 constexpr double kMaxNoiseFactor = 2.5;  // an image may be noisier than the model, within reason
 
 // Where a ray meets the ball: t d = point, |t d - c| = r. With d_z = 1, t is the depth along z.
-struct Meeting {
+struct Intersection {
   double depth_m;
   double sine;               // of the angle between ray and surface normal
   double cosine;             // of the same
@@ -33,7 +33,7 @@ struct Meeting {
   double depth_by_radius;
 };
 
-std::optional<Meeting> meet(const RayDepth& pixel, const Vector3d& centre, double radius_m) {
+std::optional<Intersection> intersect_ball(const RayDepth& pixel, const Vector3d& centre, double radius_m) {
   const Vector3d d(pixel.x, pixel.y, 1.0);
   const double a = d.squaredNorm();
   const double b = d.dot(centre);
@@ -44,11 +44,11 @@ std::optional<Meeting> meet(const RayDepth& pixel, const Vector3d& centre, doubl
   const double length = std::sqrt(a);
   const double t = b / a - half_chord / length;
   const double scale = 1.0 / (half_chord * length);
-  return Meeting{t, std::sqrt(distance2) / radius_m, half_chord / radius_m, scale * (centre - t * d),
-                 -radius_m * scale};
+  return Intersection{t, std::sqrt(distance2) / radius_m, half_chord / radius_m, scale * (centre - t * d),
+                      -radius_m * scale};
 }
 
-double variance_m2(const BallFitOptions& options, const Meeting& meeting) {
+double variance_m2(const BallFitOptions& options, const Intersection& meeting) {
   const double axial_m = options.noise.sigma_m(meeting.depth_m, std::acos(std::min(1.0, meeting.cosine)));
   const double lateral_m = options.lateral_sigma_m * meeting.sine / meeting.cosine;
   return axial_m * axial_m + lateral_m * lateral_m + kRoundingVariance_m2;
@@ -64,7 +64,7 @@ struct Sums {
   int looked_at = 0;  // in the first steps: also those beyond the gate, and of these those behind the ball
   int behind = 0;
 
-  void add(const Meeting& meeting, double residual_m, double pixel_variance_m2) {
+  void add(const Intersection& meeting, double residual_m, double pixel_variance_m2) {
     Vector4d row;
     row << meeting.depth_by_centre, meeting.depth_by_radius;
     const double weight = 1.0 / pixel_variance_m2;
@@ -92,7 +92,7 @@ class Fitter {
   BallFit run() {
     const double r = options_.radius_m;
     const auto on_ball = std::ranges::count_if(
-        pixels_, [&](const RayDepth& pixel) { return meet(pixel, centre_, r).has_value(); });
+        pixels_, [&](const RayDepth& pixel) { return intersect_ball(pixel, centre_, r).has_value(); });
     const std::size_t stride = static_cast<std::size_t>(on_ball) / kCoarsePixels + 1;
     for (const double gate_m : {0.6 * r, 0.6 * r, 0.6 * r, 0.3 * r, 0.3 * r}) {
       const Sums sums = coarse(gate_m, stride);
@@ -115,7 +115,7 @@ class Fitter {
     const double limit = max_sine(centre_, options_, 1.0);
     for (std::size_t i = 0; i < pixels_.size(); i += stride) {
       if (pixels_[i].depth_m <= 0.0) continue;
-      const auto meeting = meet(pixels_[i], centre_, options_.radius_m);
+      const auto meeting = intersect_ball(pixels_[i], centre_, options_.radius_m);
       if (!meeting || meeting->sine > limit) continue;
       const double residual_m = pixels_[i].depth_m - meeting->depth_m;
       ++sums.looked_at;
@@ -143,7 +143,7 @@ class Fitter {
     const double inner_limit = max_sine(centre_, options_, 2.0);
     result_.inner = result_.inner_invalid = 0;
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
-      const auto meeting = meet(pixels_[i], centre_, options_.radius_m);
+      const auto meeting = intersect_ball(pixels_[i], centre_, options_.radius_m);
       if (!meeting || meeting->sine > limit) continue;
       const bool inner = meeting->sine <= inner_limit;
       result_.inner += inner;
@@ -214,7 +214,7 @@ class Fitter {
   Sums sums_of_chosen() const {
     Sums sums;
     for (const Seen& s : chosen_)
-      if (const auto meeting = meet(pixels_[s.pixel], centre_, options_.radius_m))
+      if (const auto meeting = intersect_ball(pixels_[s.pixel], centre_, options_.radius_m))
         sums.add(*meeting, pixels_[s.pixel].depth_m - meeting->depth_m, s.variance_m2);
     return sums;
   }
@@ -286,7 +286,7 @@ DepthSensitivity depth_influence(const Vector3d& centre_in_sensor_m, const BallF
   for (int row = -kHalf; row <= kHalf; ++row)
     for (int column = -kHalf; column <= kHalf; ++column) {
       const RayDepth ray{middle.x() + column * step, middle.y() + row * step, 0.0};
-      const auto meeting = meet(ray, centre_in_sensor_m, options.radius_m);
+      const auto meeting = intersect_ball(ray, centre_in_sensor_m, options.radius_m);
       if (!meeting || meeting->sine > limit) continue;
       const double weight = 1.0 / variance_m2(options, *meeting);
       const Vector3d gradient = weight * meeting->depth_by_centre;

@@ -18,10 +18,10 @@ constexpr double kFarthest_cm = 650.0;
 constexpr double kLeftOut = -1.0;
 
 // D of eq. 1, in centimetres as the paper has it: eq. 5 adds pixels to them.
-std::vector<double> standardised_cm(const DepthImageView& image, Reading invalid_pixels) {
+std::vector<double> standardised_cm(const DepthImageView& image, Variant invalid_pixels) {
   std::vector<double> depth_cm(image.depth_mm.size());
   std::transform(image.depth_mm.begin(), image.depth_mm.end(), depth_cm.begin(), [&](std::uint16_t depth_mm) {
-    if (depth_mm == 0 && invalid_pixels == Reading::corrected) return kLeftOut;
+    if (depth_mm == 0 && invalid_pixels == Variant::corrected) return kLeftOut;
     return std::clamp(0.1 * depth_mm, kNearest_cm, kFarthest_cm);
   });
   return depth_cm;
@@ -106,13 +106,13 @@ Vector3d centre_in_sensor_m(const std::vector<double>& depth_cm, const DepthIntr
   const Vector2d middle_px(0.5 * (t.left + t.right), 0.5 * (t.top + t.bottom));
   const double depth = depth_at_middle_cm(depth_cm, intrinsics.width_px, t);
   Vector3d surface_cm = Vector3d::Constant(NAN);
-  if (options.projection == Reading::printed) {
+  if (options.projection == Variant::printed) {
     const Vector3d y_down = printed_linear_angle_point(middle_px, depth);
     surface_cm = {y_down.x(), -y_down.y(), y_down.z()};
   } else if (const auto ray = ray_through(intrinsics, middle_px)) {
     surface_cm = depth * Vector3d(ray->x(), ray->y(), 1.0);
   }
-  if (options.centre == Reading::printed)
+  if (options.centre == Variant::printed)
     return kMetresPerCentimetre * (surface_cm + Vector3d(0.0, 0.0, t.right - t.left));
   const double radius_cm = kCentimetresPerMetre * options.ball_radius_m;
   return kMetresPerCentimetre * (1.0 + radius_cm / surface_cm.norm()) * surface_cm;

@@ -9,7 +9,7 @@
 namespace trilat {
 
 // What is printed, or what it must have meant.
-enum class Reading : std::uint8_t { printed, corrected };
+enum class Variant : std::uint8_t { printed, corrected };
 
 // Eq. 2 and 3, E1: which pixels go on to the next label map, and when it ends. As printed a pixel goes on
 // when D <= C Ave, and it ends when Min C >= Max, which never holds; corrected: when Min >= C Max. By the
@@ -19,11 +19,11 @@ enum class ThresholdRule : std::uint8_t { printed, corrected, mid_range };
 
 // The paper's wand recognition (eq. 1 to 5) with a switch for each thing that cannot be so.
 struct PrintedWandOptions {
-  Reading invalid_pixels =
-      Reading::printed;  // eq. 1 lifts them to 50 cm, the nearest of all; corrected: left out
+  Variant invalid_pixels =
+      Variant::printed;  // eq. 1 lifts them to 50 cm, the nearest of all; corrected: left out
   ThresholdRule binarisation = ThresholdRule::printed;
-  Reading projection = Reading::printed;  // E2, eq. 4: linear in the angle; corrected: lens model
-  Reading centre = Reading::printed;      // E3, eq. 5: z + width in pixels; corrected: radius along the ray
+  Variant projection = Variant::printed;  // E2, eq. 4: linear in the angle; corrected: lens model
+  Variant centre = Variant::printed;      // E3, eq. 5: z + width in pixels; corrected: radius along the ray
   double c_offset = 0.5025;
   double ball_radius_m = 0.075;  // for the corrected centre only
   int max_iterations = 100;      // reached only with c_offset >= 1: otherwise every step leaves less

@@ -23,12 +23,12 @@ struct WandFinder {
 
 std::vector<WandFinder> make_finders() {
   const PrintedWandOptions printed,
-      corrected{Reading::corrected, ThresholdRule::corrected, Reading::corrected, Reading::corrected};
+      corrected{Variant::corrected, ThresholdRule::corrected, Variant::corrected, Variant::corrected};
   PrintedWandOptions eq1 = corrected, e1 = corrected, e2 = corrected, e3 = corrected, mid_range = corrected;
-  eq1.invalid_pixels = Reading::printed;
+  eq1.invalid_pixels = Variant::printed;
   e1.binarisation = ThresholdRule::printed;
-  e2.projection = Reading::printed;
-  e3.centre = Reading::printed;
+  e2.projection = Variant::printed;
+  e3.centre = Variant::printed;
   mid_range.binarisation = ThresholdRule::mid_range;
   return {{"as printed", false, printed},
           {"corrected, but eq. 1 as printed", false, eq1},

@@ -25,7 +25,7 @@ double depth_of(double value, const ClaimBound& bound) {
   return kNaN;
 }
 
-ClaimChance chance_of(const ContrastEstimate& e, double scale, const ClaimBound& bound) {
+ClaimChance chance_of(const Estimate& e, double scale, const ClaimBound& bound) {
   const double depth = depth_of(scale * e.value, bound);
   if (e.clusters < 2 || !(e.standard_error > 0.0) || !std::isfinite(depth)) return {};
   const double both = student_two_sided(depth / (scale * e.standard_error), e.clusters - 1);
@@ -56,7 +56,7 @@ ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound) {
     const bool holds = depth_of(kPercent * *whole, bound) > 0.0;
     return {holds ? 0.0 : 1.0, holds ? 1.0 : 0.0};
   }
-  return chance_of(std::get<ContrastEstimate>(number), kPercent, bound);
+  return chance_of(std::get<Estimate>(number), kPercent, bound);
 }
 
 ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers) {

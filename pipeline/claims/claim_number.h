@@ -22,12 +22,12 @@ inline constexpr ClaimBound less_than(double margin) { return {ClaimBound::Side:
 inline constexpr ClaimBound within(double margin) { return {ClaimBound::Side::within, margin}; }
 
 // A measured value, as a share of one (its unit is "%" then) or in the unit. A plain number was not sampled.
-using MeasuredNumber = std::variant<ContrastEstimate, ShareEstimate, double>;
+using MeasuredNumber = std::variant<Estimate, ShareEstimate, double>;
 
 struct Measurement {
   std::string what = {};  // "linear against nonlinear, head"
   std::string unit = {};  // "%" or "cm"
-  MeasuredNumber number = ContrastEstimate{};
+  MeasuredNumber number = Estimate{};
   std::string over = "participants";
   double compared = kNaN;    // share of the samples that both methods answer
   std::string missing = {};  // why nothing was measured; the rest is empty then

@@ -195,7 +195,7 @@ Measurement ErrorMeasures::places(const std::string& method, const ErrorPlace& p
   }
   if (errors[0]->cluster_count() != errors[1]->cluster_count()) return lacking("more than one take");
   const auto name = [&](const ErrorPlace& p) { return p.group.empty() ? p.condition : p.group; };
-  const ContrastEstimate estimate = solve_contrast(contrast);
+  const Estimate estimate = solve_contrast(contrast);
   if (!std::isfinite(estimate.value)) return lacking(silence_of(method));
   return {.what = fmt::format("{}: {} against {}", method, name(place), name(other)),
           .unit = "%",
@@ -252,7 +252,7 @@ Measurement ErrorMeasures::abrupt() const {
     contrast.value.push_back(one.abrupt_m.ratio(clusters, weight));
     contrast.value.push_back(one.calm_m.ratio(clusters, -weight));
   }
-  const ContrastEstimate estimate = solve_contrast(contrast);
+  const Estimate estimate = solve_contrast(contrast);
   if (!std::isfinite(estimate.value)) return lacking("a study with nonlinear");
   return {.what = "nonlinear: the half of each joint's samples with the larger acceleration",
           .unit = "%",

@@ -125,7 +125,7 @@ Measurement share_of_units(const ClocksSummary& clocks, const NumberKey& key) {
 Measurement wand_error(const CalibrationRecordings& s, const WandZone& zone, double less_m) {
   const WandRecording* recording = stated_distances(s);
   if (!recording) return lacking_wand();
-  ContrastEstimate error_m = solve_contrast({{errors_in(*recording, zone)}, {}});
+  Estimate error_m = solve_contrast({{errors_in(*recording, zone)}, {}});
   error_m.value -= less_m;
   return {.what = fmt::format("distance of the wand, less {:g} cm", kCentimetresPerMetre * less_m),
           .unit = "cm",

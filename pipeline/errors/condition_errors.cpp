@@ -251,8 +251,8 @@ void ConditionErrors::add_pair(const MethodPair& pair, const PairRow& row, std::
   add(pair.second, pair.first, row.second_m, row.first_m);
 }
 
-ContrastEstimate ConditionErrors::mean_m(std::span<const std::size_t> groups, std::size_t method,
-                                         std::size_t alignment) const {
+Estimate ConditionErrors::mean_m(std::span<const std::size_t> groups, std::size_t method,
+                                 std::size_t alignment) const {
   Contrast mean;
   for (const std::size_t g : groups)
     mean.value.push_back(cell(g, method, alignment).distance.sum.ratio(cluster_count_, weight_of(groups)));

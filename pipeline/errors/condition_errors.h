@@ -90,7 +90,7 @@ struct PairSums {
 // Two methods on the samples that both answer: first - second, and that over the second's.
 struct MethodDifference {
   std::uint64_t n = 0;
-  ContrastEstimate m, share;
+  Estimate m, share;
 };
 
 // The axes that the tables are grouped by. Joints are those of any track.
@@ -125,8 +125,7 @@ class ConditionErrors {
   const PairSums& pair(std::size_t group, std::size_t first, std::size_t second, std::size_t alignment) const;
 
   // The plain mean of some groups' mean errors.
-  ContrastEstimate mean_m(std::span<const std::size_t> groups, std::size_t method,
-                          std::size_t alignment) const;
+  Estimate mean_m(std::span<const std::size_t> groups, std::size_t method, std::size_t alignment) const;
   // The same, of two methods on the samples that both answer.
   MethodDifference difference(std::span<const std::size_t> groups, std::size_t first, std::size_t second,
                               std::size_t alignment) const;

@@ -66,13 +66,13 @@ void add_interval(const std::vector<WeightedRatio>& now, const std::vector<Weigh
   if (paired) {
     std::vector<WeightedRatio> both = now;
     both.insert(both.end(), before_negative.begin(), before_negative.end());
-    const ContrastEstimate difference = solve_contrast({std::move(both), {}});
+    const Estimate difference = solve_contrast({std::move(both), {}});
     row.difference_m = difference.value;
     row.standard_error_m = difference.standard_error;
     row.clusters = difference.clusters;
     row.degrees = difference.clusters >= 2 ? difference.clusters - 1 : 0;
   } else {
-    const ContrastEstimate after = solve_contrast({now, {}}), before = solve_contrast({before_negative, {}});
+    const Estimate after = solve_contrast({now, {}}), before = solve_contrast({before_negative, {}});
     row.difference_m = after.value + before.value;
     row.clusters = after.clusters + before.clusters;
     if (after.clusters < 2 || before.clusters < 2) return;

@@ -123,8 +123,8 @@ class StudyNumbers {
     numbers_.add({key.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
   }
   // A number with the interval of `e`, from `low` on.
-  void add(const NumberKey& key, const char* measure, const char* statistic, const ContrastEstimate& e,
-           double low, std::uint64_t n) {
+  void add(const NumberKey& key, const char* measure, const char* statistic, const Estimate& e, double low,
+           std::uint64_t n) {
     numbers_.add(
         {key.with({.measure = measure, .statistic = statistic}), e.value, low, e.high(), n, e.clusters});
   }
@@ -135,7 +135,7 @@ class StudyNumbers {
     CellSums counts;
     for (const std::size_t g : groups) counts.add_counts(errors.cell(g, m, a));
     if (counts.asked == 0) return;
-    const ContrastEstimate mean_m = errors.mean_m(groups, m, a);
+    const Estimate mean_m = errors.mean_m(groups, m, a);
     add(key, "distance", "mean", mean_m, mean_m.low_of_size(), counts.answered);
     add_counts(key, counts);
     if (groups.size() == 1) add_statistics(key, errors.cell(groups.front(), m, a));
@@ -206,7 +206,7 @@ class StudyNumbers {
   // A mean with its interval, of a size or of what may be below zero.
   void add_mean(const ConditionErrors& errors, const NumberKey& key, const char* measure,
                 const char* statistic, const ClusterSums& sums, std::uint64_t n, bool is_size) {
-    const ContrastEstimate mean = solve_contrast({{sums.ratio(errors.cluster_count())}, {}});
+    const Estimate mean = solve_contrast({{sums.ratio(errors.cluster_count())}, {}});
     add(key, measure, statistic, mean, is_size ? mean.low_of_size() : mean.low(), n);
   }
 
@@ -327,7 +327,7 @@ class StudyNumbers {
       mean.value.push_back(
           sums.ratio(errors.cluster_count(), 1.0 / static_cast<double>(errors.groups().size())));
     }
-    const ContrastEstimate mean_m = solve_contrast(mean);
+    const Estimate mean_m = solve_contrast(mean);
     const NumberKey key{.condition = condition,
                         .group = kAverageGroup,
                         .method = family.name,
@@ -345,7 +345,7 @@ class StudyNumbers {
       if (methods.size() > 1 && errors.mean_m(groups, methods.front(), 0).clusters < 2) continue;
       BestMethod best{condition, name_of_row(groups), summary_.methods[methods.front()], {}};
       for (const std::size_t m : std::span(methods).subspan(1)) {
-        const ContrastEstimate e = errors.difference(groups, m, methods.front(), 0).m;
+        const Estimate e = errors.difference(groups, m, methods.front(), 0).m;
         if (e.clusters >= 2 && !differs_significantly(e, methods.size() - 1))
           best.like_best.push_back(summary_.methods[m]);
       }

@@ -190,7 +190,7 @@ void SweepBlock::make_trials(std::uint64_t first_trial, std::size_t count) {
   rows.stride = truth_m_.stride();
   rows.truth_m = truth_m_.row(0);
   rows.range_m = lanes_.range_m.row(0);
-  if (cell_.has_hint) rows.mean_m = mean_m_.row(0);
+  if (cell_.has_guess) rows.mean_m = mean_m_.row(0);
   make_range_trials(cell_.model, first_trial, count, rows);
 }
 
@@ -200,7 +200,7 @@ std::span<const RangeProblem> SweepBlock::problems() {
   for (std::size_t i = 0; i < lanes_.count; ++i) {
     for (std::size_t s = 0; s < lanes_.sensor_m.size(); ++s)
       problems_[i].range_m[s] = lanes_.range_m.row(s)[i];
-    if (cell_.has_hint) problems_[i].hint_m = mean_m_.position(i);
+    if (cell_.has_guess) problems_[i].guess_m = mean_m_.position(i);
   }
   problems_made_ = lanes_.count;
   return problems_;

@@ -423,7 +423,7 @@ SweepTrials trials_of(const SweepSpec& spec, const SweepSetting& s) {
   o.threshold_m2 = s.threshold * (is_cm ? kSquareMetresPerSquareCentimetre : 1.0);
   o.start = t.start == SweepStart::linear ? Start::linear : Start::squared_ranges;
   o.range_sigma_m = range_rms_m(t.model.error, s.error_low_m, s.error_high_m);
-  t.has_hint = t.plane.exact || o.damping == Damping::lm;
+  t.has_guess = t.plane.exact || o.damping == Damping::lm;
   return t;
 }
 

@@ -68,8 +68,8 @@ struct SweepTrials {
   SweepStart start = SweepStart::linear;
   SensorPlane plane;     // of the rig
   RangeProblem sensors;  // without ranges
-  // The sensors' mean goes along as the problem's hint, to choose between mirror images.
-  bool has_hint = false;
+  // The sensors' mean goes along as the problem's guess, to choose between mirror images.
+  bool has_guess = false;
 };
 SweepTrials trials_of(const SweepSpec& spec, const SweepSetting& setting);
 

@@ -22,28 +22,28 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
   std::vector<Place> rows;
   for (std::size_t r = 0; r < s.ranges; ++r)
     for (std::size_t t = 0; t < s.thresholds; ++t) rows.push_back({t, r});
-  using Reading = std::optional<std::size_t>;
-  const Reading both = interpretations.as_printed, e7 = interpretations.printed,
+  using Chosen = std::optional<std::size_t>;
+  const Chosen both = interpretations.as_printed, e7 = interpretations.printed,
                 ours = interpretations.corrected;
   // NaN without this interpretation.
-  const auto of_cell = [&s](Reading interpretation, auto get) {
+  const auto of_cell = [&s](Chosen interpretation, auto get) {
     return [=, &s](const Place& p) {
       return interpretation ? get(s.number_of(*interpretation, p.threshold, p.range)) : kNoNumber;
     };
   };
-  const auto number = [&](Reading interpretation, const NumberKey& what) {
+  const auto number = [&](Chosen interpretation, const NumberKey& what) {
     return of_cell(interpretation, [&s, what](std::size_t cell) { return s.value(s.cells[cell], what); });
   };
-  const auto error = [&](Reading interpretation) { return in_cm(number(interpretation, kSweptError)); };
-  const auto time = [&](Reading interpretation) {
+  const auto error = [&](Chosen interpretation) { return in_cm(number(interpretation, kSweptError)); };
+  const auto time = [&](Chosen interpretation) {
     return as_number(2, of_cell(interpretation, [&](std::size_t cell) {
                        return timings.problems > 0 ? timings.solve_us.at(cell) : kNoNumber;
                      }));
   };
-  const auto steps = [&](Reading interpretation) {
+  const auto steps = [&](Chosen interpretation) {
     return as_number(1, number(interpretation, kSweptSteps));
   };
-  const auto answered = [&](Reading interpretation) {
+  const auto answered = [&](Chosen interpretation) {
     return in_percent(number(interpretation, kSweptAnswers));
   };
   const auto paper_time = [&](const Place& p) {

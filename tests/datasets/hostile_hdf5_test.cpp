@@ -15,7 +15,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string refusal_of(const std::filesystem::path& path) {
+std::string problem_with(const std::filesystem::path& path) {
   return message_of([&] {
     const SessionReader session(path);
     session.body_frames(0, 0, session.counts(0).body_frames);
@@ -29,12 +29,12 @@ TEST(HostileHdf5, RowsThatTheFileHasNoRoomForAreRefused) {
     Creation chunked;
     chunked.chunks(kChunkRows);
     exchange(path, kSequence, rows, chunked);
-    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("more than the file holds")));
+    EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("more than the file holds")));
   }
   const ScratchFolder folder;
   const auto path = sound_session(folder);
   exchange(path, kSequence, hsize_t{1} << 40, Creation());
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("claims 1099511627776 rows")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("claims 1099511627776 rows")));
 }
 
 TEST(HostileHdf5, ChunksOfGigabytesAreRefused) {
@@ -43,7 +43,7 @@ TEST(HostileHdf5, ChunksOfGigabytesAreRefused) {
   Creation creation;
   creation.chunks(hsize_t{1} << 27);
   exchange(path, kSequence, kRows, creation);
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("chunks of more than 16 MB")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("chunks of more than 16 MB")));
 }
 
 std::vector<std::byte> deflated_zeros(std::size_t bytes) {
@@ -66,7 +66,7 @@ TEST(HostileHdf5, AChunkThatInflatesBeyondItsSizeIsRefused) {
     const hsize_t first = 0;
     ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &first, bomb.size(), bomb.data()), 0);
   });
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
 }
 
 TEST(HostileHdf5, AChunkThatIsLargerThanItsRowsCanBeIsNotRead) {
@@ -80,7 +80,7 @@ TEST(HostileHdf5, AChunkThatIsLargerThanItsRowsCanBeIsNotRead) {
     const hsize_t first = 0;
     ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &first, bomb.size(), bomb.data()), 0);
   });
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged")));
 }
 
 // Of fewer bytes than a checksum there is nothing to take off.
@@ -110,7 +110,7 @@ TEST(HostileHdf5, ABloscChunkThatLiesAboutItsSizeIsRefused) {
       for (const hsize_t first : {hsize_t{0}, kChunkRows})
         ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &first, chunk.size(), chunk.data()), 0);
     });
-    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged"))) << bytes;
+    EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("damaged"))) << bytes;
   }
 }
 
@@ -121,7 +121,7 @@ TEST(HostileHdf5, RowsInAnotherFileAreNotRead) {
   Creation external;
   H5Pset_external(external.list, (folder / "secret").c_str(), 0, 8 * kRows);
   exchange(path, kSequence, kRows, external);
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("another file")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("another file")));
 
   const auto other = sound_session(folder);
   const std::filesystem::path source = folder / "source.h5";
@@ -131,7 +131,7 @@ TEST(HostileHdf5, RowsInAnotherFileAreNotRead) {
   ASSERT_GE(H5Pset_virtual(together.list, space, source.c_str(), kSequence.c_str(), space), 0);
   H5Sclose(space);
   exchange(other, kSequence, kRows, together);
-  EXPECT_THAT(refusal_of(other), AllOf(HasSubstr(kSequence), HasSubstr("another file")));
+  EXPECT_THAT(problem_with(other), AllOf(HasSubstr(kSequence), HasSubstr("another file")));
 }
 
 TEST(HostileHdf5, LinksOutOfTheFileAndByNameAreNotFollowed) {
@@ -149,7 +149,7 @@ TEST(HostileHdf5, LinksOutOfTheFileAndByNameAreNotFollowed) {
     else
       H5Lcreate_soft(moved.c_str(), file, kSequence.c_str(), H5P_DEFAULT, H5P_DEFAULT);
     ASSERT_GE(H5Fclose(file), 0);
-    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("is missing"))) << external;
+    EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("is missing"))) << external;
   }
 }
 
@@ -159,7 +159,7 @@ TEST(HostileHdf5, AGroupThatHoldsItselfIsRefused) {
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   H5Lcreate_hard(file, "/sensors", file, "/sensors/loop", H5P_DEFAULT, H5P_DEFAULT);
   ASSERT_GE(H5Fclose(file), 0);
-  EXPECT_THAT(refusal_of(path), HasSubstr("/sensors/loop@serial"));
+  EXPECT_THAT(problem_with(path), HasSubstr("/sensors/loop@serial"));
 }
 
 TEST(HostileHdf5, NoFileMakesTheProgramLoadCode) {
@@ -170,7 +170,7 @@ TEST(HostileHdf5, NoFileMakesTheProgramLoadCode) {
   constexpr H5Z_filter_t kSomebodysFilter = 40'000;
   H5Pset_filter(creation.list, kSomebodysFilter, H5Z_FLAG_OPTIONAL, 0, nullptr);
   exchange(path, kSequence, kRows, creation);
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(kSequence), HasSubstr("uses filters that are not read")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr(kSequence), HasSubstr("uses filters that are not read")));
   unsigned plugins = 1;
   ASSERT_GE(H5PLget_loading_state(&plugins), 0);
   EXPECT_EQ(plugins, 0u);
@@ -183,7 +183,7 @@ TEST(HostileHdf5, OtherTypesAndRanksAreRefused) {
     Creation chunked;
     chunked.chunks(kChunkRows);
     exchange(path, name, kRows, chunked);
-    EXPECT_THAT(refusal_of(path), AllOf(HasSubstr(name), HasSubstr(" is wanted, ")));
+    EXPECT_THAT(problem_with(path), AllOf(HasSubstr(name), HasSubstr(" is wanted, ")));
   }
 }
 
@@ -200,7 +200,7 @@ TEST(HostileHdf5, AnAttributeOfManyMegabytesIsRefused) {
   H5Sclose(space);
   H5Tclose(type);
   ASSERT_GE(H5Fclose(file), 0);
-  EXPECT_THAT(refusal_of(path), AllOf(HasSubstr("note"), HasSubstr("a kind or size")));
+  EXPECT_THAT(problem_with(path), AllOf(HasSubstr("note"), HasSubstr("a kind or size")));
 }
 
 TEST(HostileHdf5, SamplesThatWouldFillTheMemoryAreRefused) {

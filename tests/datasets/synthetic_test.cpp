@@ -85,7 +85,7 @@ TEST(GeneratedPerson, LimbsKeepTheirLengthWhileMoving) {
 }
 
 TEST(GeneratedPerson, WhoWalksStandsOnAFootThatDoesNotMove) {
-  for (const Activity activity : {Activity::walking, Activity::steps, Activity::walk_about})
+  for (const Activity activity : {Activity::walking, Activity::steps, Activity::walk_and_stop})
     for (const double stature_m : {1.53, 1.87}) {
       const Motion motion =
           generated_motion({.stature_m = stature_m, .tempo = 1.1, .phase_rad = 1.0}, activity);

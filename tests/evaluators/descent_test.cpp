@@ -234,7 +234,7 @@ std::vector<HardCase> hard_cases() {
       {"one_place", four(std::vector<Vector3d>(4, {1, 1, 1})), SolveStatus::rank_deficient},
       {"on_a_line", four({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {4, 4, 4}}), SolveStatus::rank_deficient},
       {"in_a_plane_both_sides_right", level, SolveStatus::mirror_ambiguous},
-      {"in_a_plane_with_a_hint", with(level, [&](RangeProblem& p) { p.hint_m = joint_m; }),
+      {"in_a_plane_with_a_hint", with(level, [&](RangeProblem& p) { p.guess_m = joint_m; }),
        SolveStatus::converged},
       {"ranges_of_zero", with(good, [](RangeProblem& p) { p.range_m.fill(0.0); }), SolveStatus::converged},
       {"one_gross_outlier", with(good, [](RangeProblem& p) { p.range_m[2] *= 4.0; }), SolveStatus::converged},
@@ -301,7 +301,7 @@ TEST(Newton, EndsWhereGaussNewtonEndsInFewerSteps) {
 TEST(Descent, ExactDataThatStartAtTheTruthConvergeByTheObjectiveToo) {
   NonlinearOptions options;
   options.stop = StopRule::objective;
-  options.start = Start::hint;
+  options.start = Start::guess;
   int converged = 0;
   double worst_m = 0.0;
   constexpr int kProblems = 2000;
@@ -318,7 +318,7 @@ TEST(Descent, ExactDataThatStartAtTheTruthConvergeByTheObjectiveToo) {
       problem.range_m[static_cast<std::size_t>(i)] =
           (truth - problem.sensor_m[static_cast<std::size_t>(i)]).norm();
     }
-    problem.hint_m = truth;
+    problem.guess_m = truth;
     const PointEstimate estimate = solve_nonlinear(problem, options);
     converged += estimate.status == SolveStatus::converged && estimate.iterations < 100;
     worst_m = std::max(worst_m, (estimate.position_m - truth).norm());

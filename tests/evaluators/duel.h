@@ -47,7 +47,7 @@ inline std::array<Duel, 2> duels(const RangeProblem& problem) {
   options.curvature = Curvature::newton;
   result[1].own = solve_nonlinear(problem, options);
   const SensorPlane plane = plane_of(problem);
-  if (refusal_of(problem) != SolveStatus::not_solved || plane.collinear) return result;
+  if (validate(problem) != SolveStatus::not_solved || plane.collinear) return result;
   const Eigen::Vector3d wanted_m =
       requested_start_m(problem, plane, options.start, options.start_point_m, options.linear);
   const Eigen::Vector3d start_m = plausible_start(problem, plane, wanted_m);

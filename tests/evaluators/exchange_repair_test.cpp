@@ -32,7 +32,7 @@ struct Score {
   std::size_t instants = 0;
 };
 
-void add_stretches(const ObservedTake& take, const ExchangeRepair& repair, std::size_t sensor, Score& score) {
+void add_stretches(const ObservedTake& take, const SideSwapRepair& repair, std::size_t sensor, Score& score) {
   std::size_t length = 0, found = 0;
   for (std::size_t i = 0; i <= take.tracks.instants(); ++i) {
     if (i < take.tracks.instants() && take.was_exchanged(i, sensor)) {
@@ -52,7 +52,7 @@ void add_stretches(const ObservedTake& take, const ExchangeRepair& repair, std::
 void add_take(const TakeSpec& spec, Score& score) {
   const ObservedTake take = observed_take(spec);
   const auto start = std::chrono::steady_clock::now();
-  const ExchangeRepair repair = find_exchanges(take.tracks, take.world_from_sensor, {});
+  const SideSwapRepair repair = find_exchanges(take.tracks, take.world_from_sensor, {});
   score.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   score.instants += spec.instants;
   for (std::size_t s = 0; s < spec.sensors; ++s) {
@@ -124,18 +124,18 @@ INSTANTIATE_TEST_SUITE_P(Rigs, Exchanges,
                                          Scenario{"four_toes_always", 4, 1.0, false, true, 0.9, 0.05}),
                          [](const auto& scenario) { return std::string(scenario.param.name); });
 
-std::size_t count_of(const ExchangeRepair& repair) {
-  return static_cast<std::size_t>(std::ranges::count(repair.exchanged, 1));
+std::size_t count_of(const SideSwapRepair& repair) {
+  return static_cast<std::size_t>(std::ranges::count(repair.sides_swapped, 1));
 }
 
-TEST(ExchangeRepair, OneBadInstantOfOneJointChangesNothing) {
+TEST(SideSwapRepair, OneBadInstantOfOneJointChangesNothing) {
   ObservedTake take = observed_take({Activity::walking, 4, 0.0, false, false, 3, 300});
   ObservedBody& body = take.tracks.at(150, 1);
   std::swap(body.joint_in_sensor_m[4], body.joint_in_sensor_m[8]);  // the shoulders
   EXPECT_EQ(count_of(find_exchanges(take.tracks, take.world_from_sensor, {})), 0u);
 }
 
-TEST(ExchangeRepair, ItsStretchesAreCountedForEachSensor) {
+TEST(SideSwapRepair, ItsStretchesAreCountedForEachSensor) {
   ObservedTake take = observed_take({Activity::arm_swing, 4, 0.0, false, false, 5, 300});
   std::size_t back = 0;
   const auto motion_at_start = generated_motion(draw_person(11, 5, 1.70, 0.17), Activity::arm_swing)(0.0);
@@ -146,7 +146,7 @@ TEST(ExchangeRepair, ItsStretchesAreCountedForEachSensor) {
   for (std::size_t i = 0; i < 300; ++i)
     if ((i >= 50 && i < 90) || (i >= 150 && i < 205))
       testing_support::exchange_sides(take.tracks.at(i, back));
-  const ExchangeRepair repair = find_exchanges(take.tracks, take.world_from_sensor, {});
+  const SideSwapRepair repair = find_exchanges(take.tracks, take.world_from_sensor, {});
   for (std::size_t s = 0; s < 4; ++s) EXPECT_EQ(repair.stretches[s], s == back ? 2u : 0u);
   EXPECT_TRUE(repair.at(50, back));
   EXPECT_FALSE(repair.at(49, back));
@@ -154,10 +154,10 @@ TEST(ExchangeRepair, ItsStretchesAreCountedForEachSensor) {
   EXPECT_FALSE(repair.at(205, back));
 }
 
-TEST(ExchangeRepair, UndoingGivesBackTheTrueLabelsAndTwiceTheOldOnes) {
+TEST(SideSwapRepair, UndoingGivesBackTheTrueLabelsAndTwiceTheOldOnes) {
   const ObservedTake take = observed_take({Activity::walking, 4, 1.0, false, false, 4, 300});
   BodyTracks tracks = take.tracks;
-  const ExchangeRepair repair = find_exchanges(tracks, take.world_from_sensor, {});
+  const SideSwapRepair repair = find_exchanges(tracks, take.world_from_sensor, {});
   EXPECT_GT(count_of(repair), 0u);
   undo_exchanges(tracks, repair);
   EXPECT_EQ(count_of(find_exchanges(tracks, take.world_from_sensor, {})), 0u);
@@ -170,7 +170,7 @@ TEST(ExchangeRepair, UndoingGivesBackTheTrueLabelsAndTwiceTheOldOnes) {
   }
 }
 
-TEST(ExchangeRepair, WhereNothingTellsFrontFromBackNothingIsTouched) {
+TEST(SideSwapRepair, WhereNothingTellsFrontFromBackNothingIsTouched) {
   ObservedTake take = observed_take({Activity::standing, 4, 1.0, true, false, 6, 300});
   for (std::size_t i = 0; i < 300; ++i)
     for (std::size_t s = 0; s < 4; ++s)
@@ -179,14 +179,14 @@ TEST(ExchangeRepair, WhereNothingTellsFrontFromBackNothingIsTouched) {
   EXPECT_EQ(count_of(find_exchanges(take.tracks, take.world_from_sensor, {})), 0u);
 }
 
-TEST(ExchangeRepair, NoInstantsNoBodiesAndNoSensorsAreNothingToRepair) {
+TEST(SideSwapRepair, NoInstantsNoBodiesAndNoSensorsAreNothingToRepair) {
   const std::vector<RigidTransform> two(2);
-  EXPECT_TRUE(find_exchanges(BodyTracks(0, 2), two, {}).exchanged.empty());
+  EXPECT_TRUE(find_exchanges(BodyTracks(0, 2), two, {}).sides_swapped.empty());
   EXPECT_EQ(count_of(find_exchanges(BodyTracks(5, 2), two, {})), 0u);
-  EXPECT_TRUE(find_exchanges(BodyTracks(0, 0), {}, {}).exchanged.empty());
+  EXPECT_TRUE(find_exchanges(BodyTracks(0, 0), {}, {}).sides_swapped.empty());
 }
 
-TEST(ExchangeRepair, PosesAndTracksMustBelongTogether) {
+TEST(SideSwapRepair, PosesAndTracksMustBelongTogether) {
   EXPECT_THROW((void)find_exchanges(BodyTracks(5, 2), std::vector<RigidTransform>(3), {}), InternalError);
   BodyTracks tracks(5, 2);
   EXPECT_THROW(undo_exchanges(tracks, {3, std::vector<std::uint8_t>(15), {}}), InternalError);

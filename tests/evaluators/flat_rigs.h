@@ -44,7 +44,7 @@ struct SeenJoint {
 };
 
 // Joint number `index` of rig number `rig`, more than kOffPlane_m from the plane, seen by four sensors on a
-// circle of 2 m. Every sensor sees it displaced on its own; the hint is the mean of what they see.
+// circle of 2 m. Every sensor sees it displaced on its own; the guess is the mean of what they see.
 inline SeenJoint seen_joint(const RigFamily& family, std::uint64_t rig, std::uint32_t index) {
   const RandomStream heights{21, Purpose::test, rig};
   std::vector<Eigen::Vector3d> sensors_m;
@@ -62,12 +62,12 @@ inline SeenJoint seen_joint(const RigFamily& family, std::uint64_t rig, std::uin
     if (std::abs(plane_of(seen.problem).offset_m(seen.joint_m)) > kOffPlane_m || attempt == 63) break;
   }
   const RandomStream errors{23, Purpose::test, rig * 1'000'000 + index};
-  seen.problem.hint_m = Eigen::Vector3d::Zero();
+  seen.problem.guess_m = Eigen::Vector3d::Zero();
   for (std::uint32_t s = 0; s < 4; ++s) {
     Eigen::Vector3d error_m;
     for (std::uint32_t axis = 0; axis < 3; ++axis) error_m[axis] = kSeenSigma_m * errors.normal(3 * s + axis);
     seen.problem.range_m[s] = (seen.joint_m + error_m - sensors_m[s]).norm();
-    *seen.problem.hint_m += (seen.joint_m + error_m) / 4.0;
+    *seen.problem.guess_m += (seen.joint_m + error_m) / 4.0;
   }
   return seen;
 }
@@ -108,7 +108,7 @@ inline const std::vector<SideMethod>& side_methods() {
         {"linear, any side", [=](const RangeProblem& p) { return solve_linear(p, any_side); }},
         {"mean", [](const RangeProblem& p) {
            PointEstimate mean;
-           mean.position_m = *p.hint_m;
+           mean.position_m = *p.guess_m;
            mean.status = SolveStatus::closed_form;
            return mean;
          }}};

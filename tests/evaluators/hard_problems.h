@@ -57,7 +57,7 @@ inline Eigen::Vector3d hard_joint_m(const RangeProblem& problem, Draws& draws) {
   return joint_m;
 }
 
-// The i-th hard problem: ranges wrong by up to 30 cm, one in ten exact; one in five with a hint.
+// The i-th hard problem: ranges wrong by up to 30 cm, one in ten exact; one in five with a guess.
 inline RangeProblem hard_problem(std::uint64_t seed, std::uint64_t i) {
   Draws draws{{seed, Purpose::test, i}};
   RangeProblem problem;
@@ -68,7 +68,7 @@ inline RangeProblem hard_problem(std::uint64_t seed, std::uint64_t i) {
   for (int k = 0; k < problem.count; ++k)
     problem.range_m[k] =
         std::max(0.0, (joint_m - problem.sensor_m[k]).norm() + most_m * draws.uniform(-1.0, 1.0));
-  if (draws.chance(0.2)) problem.hint_m = joint_m + 0.1 * draws.direction();
+  if (draws.chance(0.2)) problem.guess_m = joint_m + 0.1 * draws.direction();
   return problem;
 }
 

@@ -45,7 +45,7 @@ bool interval_holds(std::size_t clusters, bool skewed, std::uint64_t campaign) {
     mean.numerator.push_back(mean_m * count);
     mean.denominator.push_back(count);
   }
-  const ContrastEstimate e = solve_contrast({{mean}, {}});
+  const Estimate e = solve_contrast({{mean}, {}});
   return e.low() <= kTruth_m && kTruth_m <= e.high();
 }
 

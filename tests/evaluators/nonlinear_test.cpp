@@ -71,7 +71,7 @@ TEST(Nonlinear, PrintedStepIsScaledByUnitOverDistance) {
   options.max_iterations = 1;
   options.start = Start::point;
   options.start_point_m = {0, 0, 0};
-  problem.hint_m = options.start_point_m;
+  problem.guess_m = options.start_point_m;
   EXPECT_NEAR(solve_nonlinear(problem, options).position_m.y(), 0.5, 1e-15);
   options.gradient = Gradient::printed;
   options.printed_unit_m = 1.0;
@@ -235,10 +235,10 @@ TEST(Nonlinear, AnAmbiguityAsLargeAsTheNoiseIsSaidToBeOne) {
   NonlinearOptions options;
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::mirror_ambiguous);
   EXPECT_EQ(solve_linear(problem, {}).status, SolveStatus::mirror_ambiguous);
-  problem.hint_m = Vector3d(0.1, 1.4, 0.2);
+  problem.guess_m = Vector3d(0.1, 1.4, 0.2);
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged);
   EXPECT_EQ(solve_linear(problem, {}).status, SolveStatus::closed_form);
-  problem.hint_m.reset();
+  problem.guess_m.reset();
   options.range_sigma_m = 1e-5;
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::converged);
 }
@@ -262,7 +262,7 @@ TEST(MirrorChoice, WithoutAHintAnAmbiguousAnswerIsTheLowerMinimum) {
 class NearlyFlatRig : public testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(Family, NearlyFlatRig, testing::Range<std::size_t>(0, 6));
 
-// Before the hint was asked, nonlinear and linear were on the wrong side in 10 to 49 % on the first five
+// Before the guess was asked, nonlinear and linear were on the wrong side in 10 to 49 % on the first five
 // families.
 TEST_P(NearlyFlatRig, MethodsHardlyEverAnswerOnTheWrongSideOfTheSensors) {
   const RigFamily& family = rig_families()[GetParam()];
@@ -279,11 +279,11 @@ TEST_P(NearlyFlatRig, MethodsHardlyEverAnswerOnTheWrongSideOfTheSensors) {
 
 TEST(Nonlinear, TheStartIsASetting) {
   RangeProblem problem = noisy_problem(0, 0.05);
-  problem.hint_m = Vector3d(0.4, 0.9, 0.1);
+  problem.guess_m = Vector3d(0.4, 0.9, 0.1);
   auto options = undamped(Gradient::printed, StopRule::printed, 1e-10);
   options.printed_unit_m = 1e-9;  // steps too short to see
-  options.start = Start::hint;
-  EXPECT_LT((solve_nonlinear(problem, options).position_m - *problem.hint_m).norm(), 1e-8);
+  options.start = Start::guess;
+  EXPECT_LT((solve_nonlinear(problem, options).position_m - *problem.guess_m).norm(), 1e-8);
   options.start = Start::point;
   EXPECT_EQ(solve_nonlinear(problem, options).status, SolveStatus::non_finite_input);
   options.start_point_m = {0.1, 0.2, 0.3};

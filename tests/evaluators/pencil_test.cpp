@@ -99,14 +99,14 @@ TEST(Linear, AllPairsIsTheLeastSquaresOfEveryDifference) {
 // Spheres around (0,0,0), (2,0,0), (0,2,0) with squared ranges 3 meet at (1, 1, +-1).
 TEST(Geometric, GivesBothHandSolutionsAndTheHintChooses) {
   RangeProblem problem = problem_of({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {1, 1, 1});
-  problem.hint_m = Vector3d(1, 1, 0.9);
+  problem.guess_m = Vector3d(1, 1, 0.9);
   PointEstimate estimate = solve_geometric(problem, {});
   EXPECT_EQ(estimate.status, SolveStatus::closed_form);
   EXPECT_LT((estimate.position_m - Vector3d(1, 1, 1)).norm(), 1e-14);
-  problem.hint_m = Vector3d(1, 1, -2);
+  problem.guess_m = Vector3d(1, 1, -2);
   estimate = solve_geometric(problem, {});
   EXPECT_LT((estimate.position_m - Vector3d(1, 1, -1)).norm(), 1e-14);
-  problem.hint_m = Vector3d(1, 1, 0.3);  // 0.7 and 1.3: not twice as far
+  problem.guess_m = Vector3d(1, 1, 0.3);  // 0.7 and 1.3: not twice as far
   EXPECT_EQ(solve_geometric(problem, {}).status, SolveStatus::mirror_ambiguous);
 }
 
@@ -123,7 +123,7 @@ TEST(Geometric, SpheresThatDoNotMeetAreClampedToThePlane) {
 TEST(Geometric, UsesTheSensorsOfTheRigThatItIsTold) {
   const Vector3d joint_m(0.1, 0.8, -0.2);
   RangeProblem problem = problem_of(well_posed_sensors_m(), joint_m);
-  problem.hint_m = joint_m;
+  problem.guess_m = joint_m;
   problem.range_m[1] += 0.5;  // must not be read
   const PointEstimate estimate = solve_geometric(problem, {{3, 0, 2}});
   EXPECT_LT((estimate.position_m - joint_m).norm(), 1e-12);
@@ -169,11 +169,11 @@ TEST(JointObservation, RangesOfTheAllowedSensorsThatSeeTheJoint) {
   problem = ranges_of(observations, poses, SensorMask(0b1011));
   EXPECT_EQ(problem.count, 2);
   EXPECT_LT(
-      (*problem.hint_m - 0.5 * (observations[0].point_in_world_m + observations[3].point_in_world_m)).norm(),
+      (*problem.guess_m - 0.5 * (observations[0].point_in_world_m + observations[3].point_in_world_m)).norm(),
       1e-15);
   problem = ranges_of(observations, poses, SensorMask(0b0010));
   EXPECT_EQ(problem.count, 0);
-  EXPECT_FALSE(problem.hint_m);
+  EXPECT_FALSE(problem.guess_m);
   EXPECT_THROW(ranges_of(observations, {poses.data(), 3}), InternalError);
 }
 

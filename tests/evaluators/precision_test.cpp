@@ -71,7 +71,7 @@ TEST(Precision, IsThatOfTheEstimate) {
   for (std::uint32_t i = 0; i < 50; ++i) {
     const Vector3d joint_m = random_joint_m({63, Purpose::test, 0}, i);
     RangeProblem problem = well_posed_problem(3 + static_cast<int>(i % 6), joint_m);
-    problem.hint_m = joint_m;
+    problem.guess_m = joint_m;
     const PointEstimate estimate = solve_nonlinear(problem, {});
     const PointEstimate precision = precision_at(problem, estimate.position_m);
     EXPECT_NEAR(estimate.gdop, precision.gdop, 1e-9 * precision.gdop);

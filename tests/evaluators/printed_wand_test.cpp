@@ -37,10 +37,10 @@ DepthPicture block_before_a_wall() {
 }
 
 PrintedWandOptions all_equations_corrected() {
-  return {.invalid_pixels = Reading::corrected,
+  return {.invalid_pixels = Variant::corrected,
           .binarisation = ThresholdRule::corrected,
-          .projection = Reading::corrected,
-          .centre = Reading::corrected};
+          .projection = Variant::corrected,
+          .centre = Variant::corrected};
 }
 
 TEST(PrintedWand, AsPrintedItNeverEndsButLeavesTheBlock) {
@@ -75,7 +75,7 @@ TEST(PrintedWand, TheLastPixelsOfThePrintedRuleAreThoseOfTheCorrectedOne) {
 TEST(PrintedWand, AnImageInWhichNothingWasSeenShowsNoWand) {
   for (const ThresholdRule binarisation : {ThresholdRule::printed, ThresholdRule::corrected})
     EXPECT_EQ(find_wand_as_printed(filled_with(0).view(), printed_rays(),
-                                   {.invalid_pixels = Reading::corrected, .binarisation = binarisation})
+                                   {.invalid_pixels = Variant::corrected, .binarisation = binarisation})
                   .status,
               WandStatus::no_wand);
 }
@@ -92,7 +92,7 @@ TEST(PrintedWand, AsPrintedOneInvalidPixelTakesTheWandsPlace) {
   EXPECT_LT(printed.centre_in_sensor_m.x(), 0.0);
   const WandSighting corrected =
       find_wand_as_printed(picture.view(), printed_rays(),
-                           {.invalid_pixels = Reading::corrected, .binarisation = ThresholdRule::corrected});
+                           {.invalid_pixels = Variant::corrected, .binarisation = ThresholdRule::corrected});
   EXPECT_EQ(corrected.pixels, 21 * 11);
 }
 
@@ -104,7 +104,7 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
   put_block(picture, 380, 207, 388, 217, 2000);  // the middle is the pixel (384, 212)
   PrintedWandOptions options = {.binarisation = ThresholdRule::corrected};
   const WandSighting printed = find_wand_as_printed(picture.view(), pinhole_rays, options);
-  options.projection = Reading::corrected;
+  options.projection = Variant::corrected;
   const WandSighting corrected = find_wand_as_printed(picture.view(), pinhole_rays, options);
   // 128 pixels: 2 m tan(17.5 degrees) = 0.630597 m against 2 m * 128 / 365 = 0.701370 m.
   EXPECT_NEAR(printed.centre_in_sensor_m.x(), 0.630597, 1e-6);
@@ -114,9 +114,9 @@ TEST(PrintedWand, LinearAnglesAndThePinholeDifferByTheHandComputedNumber) {
 }
 
 TEST(PrintedWand, ThePrintedCentreAddsTheWidthInPixelsAndTheCorrectedOneTheRadiusAlongTheRay) {
-  PrintedWandOptions options = {.binarisation = ThresholdRule::corrected, .projection = Reading::corrected};
+  PrintedWandOptions options = {.binarisation = ThresholdRule::corrected, .projection = Variant::corrected};
   const WandSighting printed = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), options);
-  options.centre = Reading::corrected;
+  options.centre = Variant::corrected;
   const WandSighting corrected = find_wand_as_printed(block_before_a_wall().view(), printed_rays(), options);
   const Vector3d surface = printed.centre_in_sensor_m - Vector3d(0.0, 0.0, 0.20);
   EXPECT_NEAR(surface.z(), 1.0, 1e-12);
@@ -129,7 +129,7 @@ TEST(PrintedWand, AnInvalidMiddleTakesTheDepthOfTheNearestLabelledPixel) {
   picture.at(310, 107) = 1010;
   const WandSighting sighting =
       find_wand_as_printed(picture.view(), printed_rays(),
-                           {.invalid_pixels = Reading::corrected, .binarisation = ThresholdRule::corrected});
+                           {.invalid_pixels = Variant::corrected, .binarisation = ThresholdRule::corrected});
   // Two pixels away lie (310, 103), (308, 105), (312, 105) and (310, 107); the first in reading order is
   // taken.
   EXPECT_EQ(sighting.pixels, 21 * 11 - 9);

@@ -14,7 +14,7 @@ constexpr std::uint32_t kJoints = 25;
 
 // How a rig is off, and how its trackers err.
 struct OffRig {
-  double turn_rad = 0.03, shift_m = 0.01, range_m = 0.015;  // standard deviations of each sensor
+  double rotation_rad = 0.03, translation_m = 0.01, range_m = 0.015;  // standard deviations of each sensor
   double joint_m = 0.02;  // constant error of each joint in each sensor's view, an axis
   double noise_m = 0.02;  // an axis
   double reach_m = 0.5;   // how far the person walks; 0 stands still
@@ -52,8 +52,8 @@ OffTake off_take(const OffRig& spec, std::uint64_t seed) {
   for (std::size_t s = 0; s < spec.rig.size(); ++s) {
     const RandomStream random{seed, Purpose::test, 1'000'000 + s};
     PoseCorrection off;
-    off.turn_rad = spec.turn_rad * normal_vector_of(random, 0);
-    off.shift_m = spec.shift_m * normal_vector_of(random, 4);
+    off.rotation_rad = spec.rotation_rad * normal_vector_of(random, 0);
+    off.translation_m = spec.translation_m * normal_vector_of(random, 4);
     off.range_m = spec.range_m * random.normal(8);
     take.truth.push_back(off);
     standing.push_back(corrected_pose(spec.rig[s], off));
@@ -86,9 +86,9 @@ TEST(SelfCalibration, CorrectionsTakeAwayWhatTheyAre) {
 }
 
 TEST(SelfCalibration, FindsTurnedSensorsAndRangesThatAreTooLong) {
-  OffRig spec{.turn_rad = 0.0, .shift_m = 0.0, .range_m = 0.0, .joint_m = 0.005, .noise_m = 0.01};
+  OffRig spec{.rotation_rad = 0.0, .translation_m = 0.0, .range_m = 0.0, .joint_m = 0.005, .noise_m = 0.01};
   OffTake take = off_take(spec, 2);
-  const PoseCorrection off{.turn_rad = {0.0, 0.07, 0.0}, .range_m = 0.04};
+  const PoseCorrection off{.rotation_rad = {0.0, 0.07, 0.0}, .range_m = 0.04};
   for (std::size_t i = 0; i < take.joint.size(); ++i) {  // sensor 2 is where it is said to be, but turned
     JointObservation& o = take.observations[4 * i + 2];
     const Eigen::Vector3d v = Eigen::AngleAxisd(0.07, Eigen::Vector3d::UnitY()) *
@@ -99,10 +99,10 @@ TEST(SelfCalibration, FindsTurnedSensorsAndRangesThatAreTooLong) {
   const SelfCalibration found = take.calibrate();
   ASSERT_EQ(found.problem, "");
   const CorrectionMagnitudes turned = magnitudes_of(found, 2);
-  EXPECT_NEAR(turned.turn_rad.value, 0.07, 0.015);
-  EXPECT_GT(turned.turn_rad.low, 0.03);
+  EXPECT_NEAR(turned.rotation_rad.value, 0.07, 0.015);
+  EXPECT_GT(turned.rotation_rad.low, 0.03);
   EXPECT_GT(turned.range_m.low, 0.01);
-  for (const std::size_t s : {0u, 1u, 3u}) EXPECT_LT(magnitudes_of(found, s).turn_rad.value, 0.025) << s;
+  for (const std::size_t s : {0u, 1u, 3u}) EXPECT_LT(magnitudes_of(found, s).rotation_rad.value, 0.025) << s;
   EXPECT_LT(take.mean_error_m(found.of_sensor), 0.5 * take.mean_error_m(std::vector<PoseCorrection>(4)));
 }
 
@@ -116,8 +116,10 @@ TEST(SelfCalibration, TheWorldDoesNotMove) {
   for (JointObservation& o : moved.observations) o.point_in_world_m = world * o.point_in_world_m;
   const SelfCalibration here = take.calibrate(), there = moved.calibrate();
   for (std::size_t s = 0; s < 4; ++s) {
-    EXPECT_LT((world.rotation * here.of_sensor[s].turn_rad - there.of_sensor[s].turn_rad).norm(), 1e-9);
-    EXPECT_LT((world.rotation * here.of_sensor[s].shift_m - there.of_sensor[s].shift_m).norm(), 1e-9);
+    EXPECT_LT((world.rotation * here.of_sensor[s].rotation_rad - there.of_sensor[s].rotation_rad).norm(),
+              1e-9);
+    EXPECT_LT((world.rotation * here.of_sensor[s].translation_m - there.of_sensor[s].translation_m).norm(),
+              1e-9);
     EXPECT_NEAR(here.of_sensor[s].range_m, there.of_sensor[s].range_m, 1e-9);
   }
 }
@@ -126,13 +128,13 @@ TEST(SelfCalibration, TheWorldDoesNotMove) {
 TEST(SelfCalibration, LeavesAnExactRigAlone) {
   double before_m = 0.0, behind_m = 0.0, squares = 0.0, count = 0.0;
   for (std::uint64_t seed = 20; seed < 50; ++seed) {
-    const OffTake take = off_take({.turn_rad = 0.0, .shift_m = 0.0, .range_m = 0.0}, seed);
+    const OffTake take = off_take({.rotation_rad = 0.0, .translation_m = 0.0, .range_m = 0.0}, seed);
     const SelfCalibration found = take.calibrate();
     before_m += take.mean_error_m(take.truth);
     behind_m += take.mean_error_m(found.of_sensor);
     for (const PoseCorrection& c : found.of_sensor)
       for (int k = 0; k < 7; ++k) {
-        const double value = k < 3 ? c.turn_rad[k] : k < 6 ? c.shift_m[k - 3] : c.range_m;
+        const double value = k < 3 ? c.rotation_rad[k] : k < 6 ? c.translation_m[k - 3] : c.range_m;
         squares += value * value / c.covariance(k, k);
         count += 1.0;
       }
@@ -144,7 +146,7 @@ TEST(SelfCalibration, LeavesAnExactRigAlone) {
 // Over 1600 sensors: 96, 100 and 93 %, lengths that may be none included.
 TEST(SelfCalibration, IntervalsHoldTheTruth) {
   const std::uint64_t takes = trials(200);
-  const auto holds = [takes](const Magnitude& magnitude, double value) {
+  const auto holds = [takes](const Interval& magnitude, double value) {
     return magnitude.low <= value && value <= magnitude.high ? 1.0 / static_cast<double>(4 * takes) : 0.0;
   };
   double turn = 0.0, shift = 0.0, range = 0.0;
@@ -153,8 +155,8 @@ TEST(SelfCalibration, IntervalsHoldTheTruth) {
     const SelfCalibration found = take.calibrate();
     for (std::size_t s = 0; s < 4; ++s) {
       const CorrectionMagnitudes m = magnitudes_of(found, s);
-      turn += holds(m.turn_rad, take.truth[s].turn_rad.norm());
-      shift += holds(m.shift_m, take.truth[s].shift_m.norm());
+      turn += holds(m.rotation_rad, take.truth[s].rotation_rad.norm());
+      shift += holds(m.translation_m, take.truth[s].translation_m.norm());
       range += holds(m.range_m, take.truth[s].range_m);
     }
   }
@@ -197,8 +199,8 @@ TEST(SelfCalibration, SaysWhyItTellsNothing) {
   const SelfCalibration alone = off_take(one, 4).calibrate();
   EXPECT_THAT(alone.problem, testing::HasSubstr("fewer than 20 times do two sensors see the same joint"));
   ASSERT_EQ(alone.of_sensor.size(), 1u);
-  EXPECT_EQ(alone.of_sensor[0].turn_rad, Eigen::Vector3d::Zero());
-  EXPECT_TRUE(std::isnan(magnitudes_of(alone, 0).turn_rad.value));
+  EXPECT_EQ(alone.of_sensor[0].rotation_rad, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(std::isnan(magnitudes_of(alone, 0).rotation_rad.value));
   OffTake apart = off_take({}, 5);  // each joint is seen by one sensor only
   for (std::size_t i = 0; i < apart.joint.size(); ++i)
     for (std::size_t s = 0; s < 4; ++s)
@@ -208,7 +210,7 @@ TEST(SelfCalibration, SaysWhyItTellsNothing) {
 
 TEST(SelfCalibration, PriorsThatAreNotPositiveAreTheCallersError) {
   const OffTake take = off_take({.instants = 5}, 6);
-  EXPECT_THROW(take.calibrate({.turn_rad = 0.0}), std::exception);
+  EXPECT_THROW(take.calibrate({.rotation_rad = 0.0}), std::exception);
   EXPECT_THROW(take.calibrate({.range_m = -1.0}), std::exception);
 }
 

@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, EveryMethod, testing::ValuesIn(methods()),
 
 RangeProblem hinted(const std::vector<Vector3d>& sensors_m, const Vector3d& joint_m) {
   RangeProblem problem = problem_of(sensors_m, joint_m);
-  problem.hint_m = joint_m + Vector3d(0.03, -0.02, 0.01);
+  problem.guess_m = joint_m + Vector3d(0.03, -0.02, 0.01);
   return problem;
 }
 
@@ -97,7 +97,7 @@ TEST_P(EveryMethod, MovesWithTheSensors) {
   add_noise(problem, RandomStream{4, Purpose::test, 0}, 0.02);
   RangeProblem other = problem;
   for (int i = 0; i < other.count; ++i) other.sensor_m[i] = moved * problem.sensor_m[i];
-  other.hint_m = moved * *problem.hint_m;
+  other.guess_m = moved * *problem.guess_m;
   const PointEstimate here = solve(problem);
   const PointEstimate there = solve(other);
   EXPECT_EQ(here.status, there.status);
@@ -117,7 +117,7 @@ TEST_P(EveryMethod, AgreesWithItselfInCentimetres) {
       in_cm.sensor_m[i] *= 100.0;
       in_cm.range_m[i] *= 100.0;
     }
-    in_cm.hint_m = 100.0 * *problem.hint_m;
+    in_cm.guess_m = 100.0 * *problem.guess_m;
     const PointEstimate metres = solve(problem), centimetres = solve(in_cm);
     const double apart_m = (metres.position_m - centimetres.position_m / 100.0).norm();
     const bool usable = is_usable(metres.status) || is_usable(centimetres.status);
@@ -151,7 +151,7 @@ TEST_P(EveryMethod, RefusesWhatIsNotANumber) {
     std::array<RangeProblem, 3> problems{good, good, good};
     problems[0].range_m[2] = bad;
     problems[1].sensor_m[1].y() = bad;
-    problems[2].hint_m->x() = bad;
+    problems[2].guess_m->x() = bad;
     for (const RangeProblem& problem : problems) {
       const PointEstimate estimate = solve(problem);
       EXPECT_EQ(estimate.status, SolveStatus::non_finite_input);
@@ -209,11 +209,11 @@ TEST_P(EveryMethod, InOnePlaneOfSensorsAnswersOnlyWithAHint) {
   PointEstimate estimate = solve(problem);
   EXPECT_TRUE(is_usable(estimate.status)) << name_of(estimate.status);
   EXPECT_LT((estimate.position_m - joint_m).norm(), GetParam().exact_to_m);
-  problem.hint_m = Vector3d(0.2, 0.4, -0.3);
+  problem.guess_m = Vector3d(0.2, 0.4, -0.3);
   EXPECT_LT((solve(problem).position_m - Vector3d(0.2, 0.4, -0.3)).norm(), GetParam().exact_to_m);
-  problem.hint_m = Vector3d(0.2, 1.0, -0.3);  // 0.4 m from one, 0.6 m from the other
+  problem.guess_m = Vector3d(0.2, 1.0, -0.3);  // 0.4 m from one, 0.6 m from the other
   EXPECT_EQ(solve(problem).status, SolveStatus::mirror_ambiguous);
-  problem.hint_m.reset();
+  problem.guess_m.reset();
   estimate = solve(problem);
   EXPECT_EQ(estimate.status, SolveStatus::mirror_ambiguous);
   EXPECT_NEAR(std::abs(estimate.position_m.y() - 0.9), 0.5, 1e-6);
@@ -229,7 +229,7 @@ TEST_P(EveryMethod, WithThreeSensorsAnswersOnlyWithAHint) {
   const PointEstimate estimate = solve(problem);
   EXPECT_TRUE(is_usable(estimate.status)) << name_of(estimate.status);
   EXPECT_LT((estimate.position_m - joint_m).norm(), GetParam().exact_to_m);
-  problem.hint_m.reset();
+  problem.guess_m.reset();
   EXPECT_EQ(solve(problem).status, SolveStatus::mirror_ambiguous);
 }
 

@@ -156,7 +156,7 @@ class ChangedStreamMaker {
     if (has(Change::neighbours)) std::swap(order[5], order[7]);
     Motion motion = motion_;
     if (has(Change::other_person))
-      motion_ = generated_motion(draw_person(99, 5, 1.7, 0.17), Activity::walk_about);
+      motion_ = generated_motion(draw_person(99, 5, 1.7, 0.17), Activity::walk_and_stop);
     std::vector<Eigen::Vector3d> drift(points, Eigen::Vector3d::Zero());
     for (std::size_t i = 0; static_cast<double>(i) * stretch / rate_hz < duration_s_; ++i) {
       const double when_s = start_s + stretch * static_cast<double>(i) / rate_hz;

@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-ContrastEstimate estimate(double value, double standard_error, std::size_t clusters = 16) {
+Estimate estimate(double value, double standard_error, std::size_t clusters = 16) {
   return {value, standard_error, clusters};
 }
 

@@ -47,7 +47,7 @@ constexpr std::array kFaults{FaultKind{"none", 0},
                              FaultKind{"other axes", 0},
                              FaultKind{"far apart", 0},
                              FaultKind{"in centimetres", 0}};
-constexpr std::array kRigActivities{Activity::walking, Activity::walk_about, Activity::steps,
+constexpr std::array kRigActivities{Activity::walking, Activity::walk_and_stop, Activity::steps,
                                     Activity::leg_crossing};
 
 // Sensors on an arc about a person, each with a bias of every joint and slow errors; one of them, or all,

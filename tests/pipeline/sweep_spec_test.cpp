@@ -72,7 +72,7 @@ TEST(SweepSpec, WordsAreWhatTheySay) {
   EXPECT_EQ(usual.options.stop, StopRule::objective);
   EXPECT_EQ(usual.options.damping, Damping::none);
   EXPECT_EQ(usual.options.start, Start::linear);
-  EXPECT_FALSE(usual.has_hint);
+  EXPECT_FALSE(usual.has_guess);
   const SweepTrials other = trials(
       R"({"joint": "centre", "error_model": "gaussian", "curvature": "newton", "stop": "step",
           "damping": "lm", "start": "squared_ranges"})");
@@ -82,7 +82,7 @@ TEST(SweepSpec, WordsAreWhatTheySay) {
   EXPECT_EQ(other.options.stop, StopRule::step);
   EXPECT_EQ(other.options.damping, Damping::lm);
   EXPECT_EQ(other.options.start, Start::squared_ranges);
-  EXPECT_TRUE(other.has_hint);
+  EXPECT_TRUE(other.has_guess);
 }
 
 TEST(SweepSpec, TheResolvedSettingsReadBackAsTheSameSweep) {

@@ -40,7 +40,7 @@ PlainLoop plain_loop(const SweepSpec& spec, const SweepSetting& setting) {
       problem.sensor_m[s] = {model.sensor_m[s][0], model.sensor_m[s][1], model.sensor_m[s][2]};
       problem.range_m[s] = range[s * stride + i];
     }
-    if (trials.has_hint) problem.hint_m = Eigen::Vector3d(mean[i], mean[stride + i], mean[2 * stride + i]);
+    if (trials.has_guess) problem.guess_m = Eigen::Vector3d(mean[i], mean[stride + i], mean[2 * stride + i]);
     const PointEstimate estimate = solve_nonlinear(problem, trials.options);
     loop.iterations += estimate.iterations;
     if (!is_usable(estimate.status)) continue;

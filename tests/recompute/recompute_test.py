@@ -60,7 +60,7 @@ METHODS = {
                          ["k1", "k2", "k4"], {}),
     "nonlinear, sure": ({"method": "nonlinear", "range_sigma_m": 0}, solve.nonlinear, SENSORS, {"range_sigma_m": 1e-9}),
     "as printed": ({"method": "nonlinear", "gradient": "printed", "damping": "none", "stop": "printed",
-                    "start": "hint"}, solve.as_printed, SENSORS, {}),
+                    "start": "guess"}, solve.as_printed, SENSORS, {}),
     "mean": ({"method": "mean"}, solve.mean, SENSORS, {}),
     "mean, three": ({"method": "mean", "sensors": ["k1", "k2", "k4"]}, solve.mean, ["k1", "k2", "k4"], {}),
     "tracked_mean": ({"method": "tracked_mean"}, solve.tracked_mean, SENSORS, {}),

@@ -26,10 +26,10 @@ struct RayRow {
 struct Floats3 {
   Floats x, y, z;
 };
-HWY_INLINE Floats3 Spread(const FloatVector3& v) { return {Single(v[0]), Single(v[1]), Single(v[2])}; }
+HWY_INLINE Floats3 Broadcast(const FloatVector3& v) { return {Single(v[0]), Single(v[1]), Single(v[2])}; }
 HWY_INLINE Floats Dot(const Floats3& a, const Floats3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-HWY_INLINE Floats3 Less(const Floats3& a, const Floats3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-HWY_INLINE Floats3 Along(Floats t, const Floats3& ray) { return {t * ray.x, t * ray.y, t * ray.z}; }
+HWY_INLINE Floats3 Subtract(const Floats3& a, const Floats3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE Floats3 Scale(Floats t, const Floats3& ray) { return {t * ray.x, t * ray.y, t * ray.z}; }
 HWY_INLINE Floats RootOrZero(Floats x) { return hn::Sqrt(hn::IfThenElseZero(x > Single(0.0f), x)); }
 
 // Rays in a column, with what every object needs of them.
@@ -74,23 +74,23 @@ HWY_INLINE void CastPlanes(const std::vector<ViewPlane>& planes, const RayRow& r
 
 // Where rays meet a sphere about the origin, from `start` on; `inside` is negative when they do not. From the
 // ray's nearest point: nothing large cancels.
-HWY_INLINE void MeetSphere(const Floats3& start, const Rays& rays, Floats radius, Floats& inside,
-                           Floats& depth) {
+HWY_INLINE void IntersectSphere(const Floats3& start, const Rays& rays, Floats radius, Floats& inside,
+                                Floats& depth) {
   const Floats to_nearest = hn::Neg(Dot(start, rays.ray)) * rays.inverse_square;
-  const Floats3 along = Along(to_nearest, rays.ray);
+  const Floats3 along = Scale(to_nearest, rays.ray);
   const Floats3 nearest{start.x + along.x, start.y + along.y, start.z + along.z};
   inside = radius * radius - Dot(nearest, nearest);
   depth = to_nearest - RootOrZero(inside) * rays.inverse_length;
 }
 
 HWY_INLINE void CastSphere(const ViewSphere& sphere, const PixelBox& box, const RayRow& row) {
-  const Floats3 centre = Spread(sphere.centre_m);
+  const Floats3 centre = Broadcast(sphere.centre_m);
   const Floats radius = Single(sphere.radius_m), per_radius = Single(1.0f / sphere.radius_m);
   const Floats3 start{hn::Neg(centre.x), hn::Neg(centre.y), hn::Neg(centre.z)};
   for (int column = box.first_column; column < box.last_column; column += static_cast<int>(hn::Lanes(F()))) {
     const Rays rays = RaysAt(row, column);
     Floats inside, depth;
-    MeetSphere(start, rays, radius, inside, depth);
+    IntersectSphere(start, rays, radius, inside, depth);
     const auto hit = inside > Single(0.0f);
     if (!hn::AllFalse(F(), hit)) KeepNearer(row, column, hit, depth, RootOrZero(inside) * per_radius);
   }
@@ -99,8 +99,8 @@ HWY_INLINE void CastSphere(const ViewSphere& sphere, const PixelBox& box, const 
 // The infinite cylinder first; where that is met beyond an end of the axis, the ball at that end.
 HWY_INLINE void CastCapsule(const ViewCapsule& capsule, const PixelBox& box, const RayRow& row) {
   const Floats zero = hn::Zero(F());
-  const Floats3 from = Spread(capsule.from_m), axis = Spread(capsule.axis_m);
-  const Floats3 middle = Spread(capsule.middle_m);
+  const Floats3 from = Broadcast(capsule.from_m), axis = Broadcast(capsule.axis_m);
+  const Floats3 middle = Broadcast(capsule.middle_m);
   const Floats radius = Single(capsule.radius_m), per_radius = Single(1.0f / capsule.radius_m);
   const Floats axis2 = Single(capsule.axis_m2);
   const Floats per_axis2 = Single(1.0f / capsule.axis_m2);
@@ -108,7 +108,7 @@ HWY_INLINE void CastCapsule(const ViewCapsule& capsule, const PixelBox& box, con
     const Rays rays = RaysAt(row, column);
     const Floats closest =
         Dot(middle, rays.ray) * rays.inverse_square;  // start close by: nothing large cancels
-    const Floats3 start = Less(Along(closest, rays.ray), from);
+    const Floats3 start = Subtract(Scale(closest, rays.ray), from);
     const Floats axis_ray = Dot(axis, rays.ray), axis_start = Dot(axis, start);
     const Floats a = axis2 * rays.square - axis_ray * axis_ray;
     const Floats b = axis2 * Dot(start, rays.ray) - axis_start * axis_ray;
@@ -126,7 +126,7 @@ HWY_INLINE void CastCapsule(const ViewCapsule& capsule, const PixelBox& box, con
                       hn::IfThenElse(at_from, start.y, start.y - axis.y),
                       hn::IfThenElse(at_from, start.z, start.z - axis.z)};
     Floats inside, to_end;
-    MeetSphere(end, rays, radius, inside, to_end);
+    IntersectSphere(end, rays, radius, inside, to_end);
     const auto hit = hn::And(meets, hn::Or(on_side, inside > zero));
     const Floats side_cosine = root * per_axis2 * rays.inverse_length;
     KeepNearer(row, column, hit, closest + hn::IfThenElse(on_side, to_side, to_end),

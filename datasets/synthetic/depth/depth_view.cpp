@@ -19,7 +19,7 @@ FloatVector3 floats_of(const Vector3d& v) {
 }
 
 // The tangents of a circle about (side, z) from the origin, as side / z.
-void widen_by_tangents(double side_m, double z_m, double radius_m, double& low, double& high) {
+void include_silhouette(double side_m, double z_m, double radius_m, double& low, double& high) {
   const double distance_m = std::hypot(side_m, z_m);
   const double middle = std::atan2(side_m, z_m);
   const double half =
@@ -37,8 +37,8 @@ RayBox box_of(std::initializer_list<Vector3d> centres_m, double radius_m) {
   RayBox box{kEverywhere, -kEverywhere, kEverywhere, -kEverywhere};
   for (const Vector3d& centre : centres_m) {
     if (centre.z() <= radius_m) return {-kEverywhere, kEverywhere, -kEverywhere, kEverywhere};
-    widen_by_tangents(centre.x(), centre.z(), radius_m, box.x_low, box.x_high);
-    widen_by_tangents(centre.y(), centre.z(), radius_m, box.y_low, box.y_high);
+    include_silhouette(centre.x(), centre.z(), radius_m, box.x_low, box.x_high);
+    include_silhouette(centre.y(), centre.z(), radius_m, box.y_low, box.y_high);
   }
   return box;
 }

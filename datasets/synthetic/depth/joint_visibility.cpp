@@ -41,16 +41,16 @@ Joints owners_of(Joint parent, Joint end) {
 }
 
 // Depth at which a ray from the lens enters the ball about `centre_m`; infinite when it does not.
-double enter_ball(const Vector3d& ray, double ray2, const Vector3d& centre_m, double radius_m) {
+double intersect_sphere(const Vector3d& ray, double ray2, const Vector3d& centre_m, double radius_m) {
   const double closest = ray.dot(centre_m) / ray2;
   const double inside = radius_m * radius_m - (closest * ray - centre_m).squaredNorm();
   return inside > 0.0 ? closest - std::sqrt(inside / ray2) : kInfinity;
 }
 
 // The infinite cylinder first; where that is met beyond an end of the axis, the ball at that end.
-double enter_capsule(const Vector3d& ray, double ray2, const Vector3d& from_m, const Vector3d& axis_m,
-                     double axis_m2, double radius_m) {
-  if (axis_m2 == 0.0) return enter_ball(ray, ray2, from_m, radius_m);
+double intersect_capsule(const Vector3d& ray, double ray2, const Vector3d& from_m, const Vector3d& axis_m,
+                         double axis_m2, double radius_m) {
+  if (axis_m2 == 0.0) return intersect_sphere(ray, ray2, from_m, radius_m);
   const double axis_ray = axis_m.dot(ray), axis_from = axis_m.dot(from_m);
   const double a = axis_m2 * ray2 - axis_ray * axis_ray;
   double height = -axis_ray;  // of a ray along the axis: the end that it comes to first
@@ -63,7 +63,7 @@ double enter_capsule(const Vector3d& ray, double ray2, const Vector3d& from_m, c
     height = depth_m * axis_ray - axis_from;
     if (height > 0.0 && height < axis_m2) return depth_m;
   }
-  return enter_ball(ray, ray2, height <= 0.0 ? from_m : Vector3d(from_m + axis_m), radius_m);
+  return intersect_sphere(ray, ray2, height <= 0.0 ? from_m : Vector3d(from_m + axis_m), radius_m);
 }
 
 // Widens a range so that it holds every side / z of a ball in front of the lens.
@@ -134,7 +134,7 @@ JointVisibility::Nearest JointVisibility::nearest(int column, int row, Joint joi
   const double ray2 = ray.squaredNorm();
   for (const Surface& s : surfaces_) {
     if (!(x > s.x_low && x < s.x_high && y > s.y_low && y < s.y_high)) continue;
-    const double depth = enter_capsule(ray, ray2, s.from_m, s.axis_m, s.axis_m2, s.radius_m);
+    const double depth = intersect_capsule(ray, ray2, s.from_m, s.axis_m, s.axis_m2, s.radius_m);
     if (!(depth > 0.0)) continue;
     found.any_m = std::min(found.any_m, depth);
     const double joint_m = in_sensor_.at(joint).z();

@@ -40,9 +40,9 @@ BodyTracker::BodyTracker(const BodyTrackerSpec& spec, const SensorSpec& sensor_s
   TRILAT_CHECK(sensor.index < 64, "random numbers tell 64 sensors apart");
 }
 
-BodyTracker::Sight BodyTracker::sight_of(const SkeletonPose& pose) {
+BodyTracker::Visibility BodyTracker::sight_of(const SkeletonPose& pose) {
   const RigidTransform sensor_from_world = sensor_.pose.world_from_sensor.inverse();
-  Sight sight;
+  Visibility sight;
   for (std::size_t j = 0; j < kJointCount; ++j)
     sight.in_view[j] =
         pose.present[j] && is_in_view(sensor_, sensor_spec_, sensor_from_world * pose.joint_in_world_m[j]);
@@ -64,7 +64,7 @@ void BodyTracker::update_back_view(const BodyView& view, std::uint64_t frame) {
   if (exchanged_ != was_exchanged) errors_.restart();
 }
 
-Body BodyTracker::body_of(const Sight& sight,
+Body BodyTracker::body_of(const Visibility& sight,
                           const std::array<Eigen::Vector3d, kJointCount>& joint_in_world_m) const {
   const RigidTransform sensor_from_world = sensor_.pose.world_from_sensor.inverse();
   Body body;
@@ -82,7 +82,7 @@ Body BodyTracker::body_of(const Sight& sight,
 
 TrackedFrame BodyTracker::observe(std::uint64_t frame, const SkeletonPose& pose) {
   TRILAT_CHECK(frame == next_frame_++, "a tracker sees every frame once, in order");
-  const Sight sight = sight_of(pose);
+  const Visibility sight = sight_of(pose);
   const Eigen::Vector3d& sensor_m = sensor_.pose.world_from_sensor.translation_m;
   update_back_view(body_view(pose, sensor_m), frame);
   // The SDK gives numbers above 2^56, and a new one to a person who comes back. No two in a campaign are
@@ -93,8 +93,9 @@ TrackedFrame BodyTracker::observe(std::uint64_t frame, const SkeletonPose& pose)
     tracking_id_ =
         (std::uint64_t{1} << 56) + ((item_.take + 1) << 40) + ((sensor_.index + 1) << 32) + ++identities_;
   const SkeletonPose taken = exchanged_ ? turned_round(pose) : pose;
-  const Sight shown =
-      exchanged_ ? Sight{with_sides_exchanged(sight.in_view), with_sides_exchanged(sight.hidden)} : sight;
+  const Visibility shown =
+      exchanged_ ? Visibility{with_sides_exchanged(sight.in_view), with_sides_exchanged(sight.hidden)}
+                 : sight;
   const auto joint_in_world_m = errors_.step(frame, taken, body_view(taken, sensor_m), shown.hidden);
   TrackedFrame result{std::nullopt, sight.hidden, exchanged_};
   if (tracking_id_ != 0) result.body = body_of(shown, joint_in_world_m);

@@ -30,13 +30,14 @@ class BodyTracker {
   TrackedFrame observe(std::uint64_t frame, const SkeletonPose& pose);
 
  private:
-  struct Sight {  // which joints of the person are in view, and hidden there
+  struct Visibility {  // which joints of the person are in view, and hidden there
     std::bitset<kJointCount> in_view, hidden;
   };
-  Sight sight_of(const SkeletonPose& pose);
+  Visibility sight_of(const SkeletonPose& pose);
   // Whether the back is seen, and taken for the front.
   void update_back_view(const BodyView& view, std::uint64_t frame);
-  Body body_of(const Sight& sight, const std::array<Eigen::Vector3d, kJointCount>& joint_in_world_m) const;
+  Body body_of(const Visibility& sight,
+               const std::array<Eigen::Vector3d, kJointCount>& joint_in_world_m) const;
 
   BodyTrackerSpec spec_;
   SensorSpec sensor_spec_;

@@ -60,7 +60,7 @@ RandomStream TrackerKey::sensor_stream(Purpose purpose, std::uint64_t joint) con
   return {seed, purpose, random_item(participant, (sensor + 1) << 4, joint, 0)};
 }
 
-TrackerKey TrackerKey::of_all_sensors() const {
+TrackerKey TrackerKey::shared_stream() const {
   TrackerKey key = *this;
   key.sensor = kMostSensors - 1;
   return key;
@@ -74,7 +74,7 @@ BodyView body_view(const SkeletonPose& pose, const Vector3d& sensor_in_world_m) 
   return {heading, std::atan2(left, forward), sensor_in_world_m};
 }
 
-Vector3d ViewedVector::seen_from(double azimuth_rad) const {
+Vector3d ViewDependentError::seen_from(double azimuth_rad) const {
   return common + own + std::cos(azimuth_rad) * facing + std::sin(azimuth_rad) * beside;
 }
 
@@ -132,7 +132,7 @@ void JointErrors::drift(JointState& state, std::size_t joint, std::uint64_t fram
     if (const double sigma = of_group(sigma_m, joint); sigma > 0.0)
       part = kept * part + fresh * sigma * normal_vector(random, first);
   };
-  const RandomStream common = key_.of_all_sensors().stream(Purpose::tracker_wander, joint, frame);
+  const RandomStream common = key_.shared_stream().stream(Purpose::tracker_wander, joint, frame);
   renew(state.wander_m.common, spec_.wander_sigma_m, common, 0);
   renew(state.wander_m.facing, spec_.view_wander_sigma_m, common, 2);
   renew(state.wander_m.beside, spec_.view_wander_sigma_m, common, 4);

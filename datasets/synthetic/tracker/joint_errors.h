@@ -21,7 +21,7 @@ struct TrackerKey {
 
   RandomStream stream(Purpose purpose, std::uint64_t part, std::uint64_t frame) const;
   // Of the part of a tracker's errors that all sensors share.
-  TrackerKey of_all_sensors() const;
+  TrackerKey shared_stream() const;
   // The same for all sensors, and for a participant in all takes.
   RandomStream body_stream(Purpose purpose, std::uint64_t joint) const;
   // Of this sensor, for a participant in all takes.
@@ -40,7 +40,7 @@ BodyView body_view(const SkeletonPose& pose, const Eigen::Vector3d& sensor_in_wo
 
 // A random vector of the body's own frame (x left, y up, z forward) in its parts: the same for all sensors,
 // by the direction of view, of one sensor.
-struct ViewedVector {
+struct ViewDependentError {
   Eigen::Vector3d common{0.0, 0.0, 0.0}, facing{0.0, 0.0, 0.0}, beside{0.0, 0.0, 0.0}, own{0.0, 0.0, 0.0};
 
   Eigen::Vector3d seen_from(double azimuth_rad) const;
@@ -62,7 +62,7 @@ class JointErrors {
 
  private:
   struct JointState {
-    ViewedVector bias_m, wander_m, hidden_m;
+    ViewDependentError bias_m, wander_m, hidden_m;
     Eigen::Vector3d lagged_m, truth_m;
     Eigen::Vector3d jump_m;
     std::uint64_t jump_end = 0;  // the first frame without

@@ -86,7 +86,7 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
         fmt::format("of kind {} uses one sensor, or names none for each in turn", spec.kind->name));
   if (method.sensors.empty())
     for (std::size_t s = 0; s < used; ++s) method.sensors.push_back(static_cast<int>(s));
-  method.allowed.reset();  // nothing of the other sensors, not even through the hint
+  method.allowed.reset();  // nothing of the other sensors, not even through the guess
   for (int i : method.sensors) method.allowed.set(static_cast<std::size_t>(i));
   return method;
 }

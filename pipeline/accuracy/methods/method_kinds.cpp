@@ -16,7 +16,7 @@ namespace {
 const std::vector<std::string> kGradients{"printed", "corrected"};
 const std::vector<std::string> kDampings{"none", "lm"};
 const std::vector<std::string> kStops{"printed", "objective", "step"};
-const std::vector<std::string> kStarts{"squared_ranges", "linear", "hint"};
+const std::vector<std::string> kStarts{"squared_ranges", "linear", "guess"};
 const std::vector<std::string> kLosses{"squares", "cauchy"};
 
 constexpr const char* kRangeSigma =

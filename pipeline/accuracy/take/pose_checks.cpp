@@ -39,14 +39,14 @@ class PoseChecker {
     const SensorPose& stated = planned_.poses[s];
     const CorrectionMagnitudes shown = magnitudes_of(data_.shown, s);
     const std::string& name = plan_.rig[s];
-    if (add(s, "turned", "rad", shown.turn_rad,
+    if (add(s, "turned", "rad", shown.rotation_rad,
             std::max(kNoticedTurn_rad, kStatedSigmas * stated.rotation_sigma_rad)))
       note(fmt::format("{} is turned by {} degrees according to the bodies; the calibration states {}", name,
-                       text_of(shown.turn_rad, kDegreesPerRad),
+                       text_of(shown.rotation_rad, kDegreesPerRad),
                        stated_text(kDegreesPerRad * stated.rotation_sigma_rad, "degrees")));
-    if (add(s, "shifted", "m", shown.shift_m, std::max(kNoticed_m, kStatedSigmas * stated.position_sigma_m)))
+    if (add(s, "shifted", "m", shown.translation_m, std::max(kNoticed_m, kStatedSigmas * stated.position_sigma_m)))
       note(fmt::format("{} is {} cm away according to the bodies; the calibration states {}", name,
-                       text_of(shown.shift_m, kCentimetresPerMetre),
+                       text_of(shown.translation_m, kCentimetresPerMetre),
                        stated_text(kCentimetresPerMetre * stated.position_sigma_m, "cm")));
     if (add(s, "ranges too long", "m", shown.range_m, kNoticed_m))
       note(fmt::format("{} measures {} cm too {} by the bodies", name,
@@ -55,14 +55,14 @@ class PoseChecker {
   }
 
   // Whether a note is due: the interval lies beyond the limit, and no note of check_sensors() explains it.
-  bool add(std::size_t s, const char* what, const char* unit, const Magnitude& m, double limit) {
+  bool add(std::size_t s, const char* what, const char* unit, const Interval& m, double limit) {
     CheckRow row{planned_.take.id, plan_.rig[s], what, unit, m.value, m.low, m.high, limit};
     row.beyond = std::max(m.low, -m.high) > limit;
     checks_.rows.push_back(row);
     return row.beyond && !data_.sensor_named;
   }
   // "4.0 (3.1 to 4.9)", without a sign.
-  static std::string text_of(const Magnitude& m, double factor) {
+  static std::string text_of(const Interval& m, double factor) {
     const double low = m.value > 0.0 ? m.low : -m.high, high = m.value > 0.0 ? m.high : -m.low;
     return fmt::format("{:.1f} ({:.1f} to {:.1f})", factor * std::abs(m.value), factor * low, factor * high);
   }
@@ -86,15 +86,16 @@ std::vector<CheckRow> check_sides(const Plan& plan, const PlannedTake& planned, 
   std::vector<CheckRow> rows;
   if (!planned.level) return rows;  // they are not looked for
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {
-    double seen = 0.0, exchanged = 0.0;
+    double seen = 0.0, sides_swapped = 0.0;
     for (std::size_t i = 0; i < data.time.size(); ++i) {
       if (std::ranges::all_of(data.bodies.at(i, s).state,
                               [](TrackingState state) { return state == TrackingState::not_tracked; }))
         continue;
       seen += 1.0;
-      exchanged += data.exchanges.at(i, s) ? 1.0 : 0.0;
+      sides_swapped += data.exchanges.at(i, s) ? 1.0 : 0.0;
     }
-    if (seen > 0.0) rows.push_back({planned.take.id, plan.rig[s], "sides exchanged", "1", exchanged / seen});
+    if (seen > 0.0)
+      rows.push_back({planned.take.id, plan.rig[s], "sides exchanged", "1", sides_swapped / seen});
   }
   return rows;
 }

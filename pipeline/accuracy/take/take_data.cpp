@@ -149,7 +149,7 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
 
 // Finds the exchanges that these sensors of the rig show of each other.
 void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& plan,
-                          const PlannedTake& planned, const BodyTracks& bodies, ExchangeRepair& exchanges) {
+                          const PlannedTake& planned, const BodyTracks& bodies, SideSwapRepair& exchanges) {
   if (sensors.empty()) return;
   BodyTracks part(bodies.instants(), sensors.size());
   std::vector<RigidTransform> poses;
@@ -157,11 +157,11 @@ void find_exchanges_among(const std::vector<std::size_t>& sensors, const Plan& p
     poses.push_back(planned.world_from_sensor[sensors[k]]);
     for (std::size_t i = 0; i < bodies.instants(); ++i) part.at(i, k) = bodies.at(i, sensors[k]);
   }
-  const ExchangeRepair found = find_exchanges(part, poses, {.instant_s = 1.0 / plan.study.rate_hz});
+  const SideSwapRepair found = find_exchanges(part, poses, {.instant_s = 1.0 / plan.study.rate_hz});
   for (std::size_t k = 0; k < sensors.size(); ++k) {
     exchanges.stretches[sensors[k]] = found.stretches[k];
     for (std::size_t i = 0; i < bodies.instants(); ++i)
-      exchanges.exchanged[i * exchanges.sensors + sensors[k]] = found.at(i, k) ? 1 : 0;
+      exchanges.sides_swapped[i * exchanges.sensors + sensors[k]] = found.at(i, k) ? 1 : 0;
   }
 }
 

@@ -57,7 +57,7 @@ struct FollowedTake {
 
 // The take as methods see it, repaired as the study asks.
 struct PreparedTake : FollowedTake {
-  ExchangeRepair exchanges = {};        // what was found, whether undone or not
+  SideSwapRepair exchanges = {};        // what was found, whether undone or not
   std::vector<float> heading_rad = {};  // by instant, NaN when not known
   std::array<OcclusionCounts, kOcclusionRules> occlusions =
       {};                                          // corrected always, the others when asked for

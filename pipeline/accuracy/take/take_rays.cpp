@@ -64,8 +64,8 @@ PosePriors priors_of(const std::vector<SensorPose>& poses) {
     for (const SensorPose& pose : poses) squares += pose.*sigma * pose.*sigma;
     if (squares > 0.0) prior = std::min(prior, std::sqrt(squares / static_cast<double>(poses.size())));
   };
-  set(priors.turn_rad, &SensorPose::rotation_sigma_rad);
-  set(priors.shift_m, &SensorPose::position_sigma_m);
+  set(priors.rotation_rad, &SensorPose::rotation_sigma_rad);
+  set(priors.translation_m, &SensorPose::position_sigma_m);
   return priors;
 }
 
