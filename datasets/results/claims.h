@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// One number that a claim or an erratum of the paper is judged by, as a study stores it with its results. NaN
+// One number that a claim or an erratum of the paper is judged by, as the numbers of a study give it. NaN
 // where there is none.
 struct ClaimNumber {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -30,9 +30,6 @@ struct ClaimNumber {
   // whole, 0 or 1.
   double p_holds = kNone, p_fails = kNone;
   std::string missing = {};  // why there is no number
-
-  TRILAT_FIELDS(claim, what, unit, value, low, high, clusters, over, compared, bound, p_holds, p_fails,
-                missing)
 };
 
 enum class ClaimVerdict : std::uint8_t { holds, does_not_hold, undecided, contradicts, cannot_test };

@@ -31,9 +31,10 @@ struct Measure {
   Better better = Better::smaller;
 };
 constexpr Measure kMeasure{"", "m"};  // of every other name
-constexpr std::array<Measure, 14> kMeasures{{{"answered", "1", Better::larger},
+constexpr std::array<Measure, 15> kMeasures{{{"answered", "1", Better::larger},
                                              {"within", "1", Better::larger},
                                              {"status", "1", Better::neither},
+                                             {"interpretations", "1", Better::neither},
                                              {"queue", "1"},
                                              {"iterations", "steps", Better::neither},
                                              {"jerk", "m/s3"},
@@ -46,8 +47,9 @@ constexpr std::array<Measure, 14> kMeasures{{{"answered", "1", Better::larger},
                                              {"latency", "s"},
                                              {"start", "m"}}};
 // Statistics that are better otherwise than their measure.
-constexpr std::array<std::pair<const char*, Better>, 13> kStatistics{
+constexpr std::array<std::pair<const char*, Better>, 14> kStatistics{
     {{"share_below_2ms", Better::larger},
+     {"share_compared", Better::larger},
      {"share_below_4ms", Better::larger},
      {"share_of_units_below_4ms", Better::larger},
      {"share_within_bound", Better::larger},

@@ -12,18 +12,8 @@ ResultsHead read_results_head(const std::filesystem::path& folder) {
   const Json json = read_results_json(folder);
   const std::string place = (folder / "summary.json").string();
   JsonObject object(json, place, "");
-  ResultsHead head{results_kind(object),
-                   object.text("study"),
-                   object.text("campaign", ""),
-                   object.text("paper", name_of(PaperStudy::none)),
-                   object.boolean("simulated", true),
-                   {}};
-  if (!json.contains("claims")) return head;
-  if (!json["claims"].is_array()) object.refuse("claims", "must be a list");
-  for (std::size_t k = 0; k < json["claims"].size(); ++k)
-    head.claims.push_back(
-        read_as<ClaimNumber>(JsonObject(json["claims"][k], place, fmt::format("/claims/{}", k))));
-  return head;
+  return {results_kind(object), object.text("study"), object.text("campaign", ""),
+          object.text("paper", name_of(PaperStudy::none)), object.boolean("simulated", true)};
 }
 
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results) {
@@ -43,7 +33,6 @@ PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& resu
     evidence.any_simulated |= head.simulated;
     evidence.is_of_the_paper |=
         head.paper == name_of(PaperStudy::table3) || head.paper == name_of(PaperStudy::table2);
-    evidence.claims.insert(evidence.claims.end(), head.claims.begin(), head.claims.end());
     if (const auto stored = read_beside<StoredTables>(folder))
       evidence.errata.insert(stored->errata.begin(), stored->errata.end());
   }

@@ -18,7 +18,6 @@ struct ResultsHead {
   std::string campaign;  // empty where the study has none
   std::string paper;     // of kPaperStudies
   bool simulated = true;
-  std::vector<ClaimNumber> claims;  // what the study says of the paper
 };
 // InputError with the place when `folder` holds no results of this version.
 ResultsHead read_results_head(const std::filesystem::path& folder);
@@ -27,7 +26,6 @@ ResultsHead read_results_head(const std::filesystem::path& folder);
 struct PaperEvidence {
   bool is_of_the_paper = false;               // whether there is anything of Tables II or III
   bool any_simulated = false;                 // whether anything here comes from simulated sensors
-  std::vector<ClaimNumber> claims;            // of the paper's claims and errata
   std::map<std::string, std::string> errata;  // what an erratum does besides, by its id
 };
 

@@ -16,7 +16,7 @@ constexpr const char* kFormat = "trilat.results";
 const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "clocks"};
 
 std::int64_t version_of(StudyKind kind) {
-  if (kind == StudyKind::accuracy) return 11;
+  if (kind == StudyKind::accuracy) return 12;
   return kind == StudyKind::calibration ? 4 : 3;
 }
 

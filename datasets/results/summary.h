@@ -117,7 +117,6 @@ struct ResultsSummary {
   std::vector<TakeNote> notes;
   std::string truth = kMocapTruth;
   std::vector<CrossCheck> cross_checks;  // one a method; empty when it was not asked for
-  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
   std::uint64_t rows = 0;                // of numbers.csv
   Numbers numbers = {};                  // which that file has
 
@@ -130,7 +129,7 @@ struct ResultsSummary {
 
   TRILAT_FIELDS(study, campaign, paper, simulated, takes, takes_failed, participants, methods, legend,
                 families, best, reference, conditions, groups, group_of_joint, participant_of_take, clusters,
-                alignments, notes, truth, cross_checks, claims, rows)
+                alignments, notes, truth, cross_checks, rows)
   void check(const JsonObject& object) const;
 };
 

@@ -22,6 +22,7 @@
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/accuracy/wand_poses.h"
+#include "pipeline/claims/error_measures.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/errors/numbers.h"
 #include "pipeline/study/machine.h"
@@ -234,7 +235,9 @@ void write_study(const Plan& plan, const ErrorSettings& errors, const std::vecto
     tables[t].pairs = pair_errors(StoredTake::open(tables[t].samples), errors, pairs);
   });
   add_numbers(study, summary);
-  summary.claims = claims_of(study);
+  const Numbers claimed = claimed_numbers(study);
+  for (const Number& number : claimed.all())
+    if (!summary.numbers.find(number)) summary.numbers.add(number);
   write_shown(plan, summary, outcome.tracking, folder);
   write_results(folder, summary);
   watch.tell(1.0);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -130,6 +131,42 @@ void add_spreads(const NumberKey& key, const WandRecording& recording, std::size
                answered / static_cast<double>(distances.size()), kNoNumber, kNoNumber, distances.size()});
 }
 
+// By sensor, the sums of the errors of the ball's distance over the samples that `wanted` holds for.
+WeightedRatio distance_errors(const WandRecording& recording, std::size_t method, const auto& wanted) {
+  const std::size_t sensors = recording.sensors.size();
+  WeightedRatio mean{std::vector<double>(sensors, 0.0), std::vector<double>(sensors, 0.0), 1.0};
+  for (const WandSample& sample : recording.samples) {
+    if (sample.method != method || !std::isfinite(sample.distance_error_m) || !wanted(sample)) continue;
+    mean.numerator.at(sample.sensor) += sample.distance_error_m;
+    mean.denominator.at(sample.sensor) += 1.0;
+  }
+  return mean;
+}
+
+// Adds how much more the distance errs beside the recommended range than in it.
+void add_beside(const NumberKey& key, const WandRecording& recording, std::size_t method,
+                const auto& is_inside, Numbers& numbers) {
+  const WeightedRatio inside = distance_errors(recording, method, is_inside);
+  for (const ZoneBeside& zone : kZonesBeside) {
+    const auto is_in_zone = [&](const WandSample& s) {
+      const double angle_deg = s.angle_rad * kDegreesPerRad;
+      return s.distance_m >= zone.distance_m[0] && s.distance_m < zone.distance_m[1] &&
+             angle_deg >= zone.angle_deg[0] && angle_deg < zone.angle_deg[1];
+    };
+    const WeightedRatio beside = distance_errors(recording, method, is_in_zone);
+    Contrast contrast{{beside, inside}, {inside}};
+    contrast.value[1].weight = -1.0;
+    const Estimate more = solve_contrast(contrast);
+    const double n = std::accumulate(beside.denominator.begin(), beside.denominator.end(), 0.0);
+    numbers.add({key.with({.group = zone.name,
+                           .against = kInside,
+                           .measure = "ball_distance",
+                           .statistic = "relative_difference"}),
+                 more.value, more.low(), more.high(), static_cast<std::uint64_t>(n), more.clusters,
+                 more.p_value()});
+  }
+}
+
 void add_wand(const WandRecording& recording, std::size_t method, Numbers& numbers) {
   const PrintedCalibration paper = printed_calibration();
   const std::string& name = wand_method_names()[method];
@@ -142,6 +179,7 @@ void add_wand(const WandRecording& recording, std::size_t method, Numbers& numbe
     add_spreads(key.with({.group = group}), recording, method, wanted, numbers);
   };
   add(kInside, is_inside);
+  add_beside(key, recording, method, is_inside, numbers);
   add(kAllPlaces, [](const WandSample&) { return true; });
   add(kNear, [&](const WandSample& s) { return s.distance_m < paper.near_m; });
   if (std::ranges::find(kMainWandMethods, name) != kMainWandMethods.end())

@@ -40,8 +40,17 @@ struct ColumnMeans {
 };
 ColumnMeans column_means(const std::vector<double>& by_column);
 
-// Zones of the ball: the paper's recommended range, everywhere, and nearer than that.
+// Zones of the ball: the paper's recommended range; everywhere; nearer than a Kinect is said to see.
 inline constexpr const char *kInside = "inside", *kAllPlaces = "all", *kNear = "near";
+// Zones beside the recommended range, whose errors are compared with those in it ("relative_difference"):
+// from the first distance (m) and angle (degrees) to below the second.
+struct ZoneBeside {
+  const char* name;
+  std::array<double, 2> distance_m, angle_deg;
+};
+inline constexpr std::array<ZoneBeside, 3> kZonesBeside{{{"nearer", {0.5, 0.8}, {0.0, 26.0}},
+                                                         {"farther", {3.0, 8.0}, {0.0, 26.0}},
+                                                         {"aside", {0.8, 3.0}, {26.0, 90.0}}}};
 // The ways to find the ball that bins and figures show.
 inline constexpr std::array kMainWandMethods{"ours", "corrected", "corrected by the mid-range"};
 

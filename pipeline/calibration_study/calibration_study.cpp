@@ -11,7 +11,6 @@
 #include "datasets/results/declared_parameters.h"
 #include "pipeline/calibration_study/calibration_errors.h"
 #include "pipeline/calibration_study/calibration_tables.h"
-#include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/results_run.h"
 
 namespace trilat {
@@ -117,6 +116,8 @@ CalibrationRecordings gather(const std::vector<Recording>& recordings, const Res
     } else {
       WandRecording& wand = made.wands.emplace_back(read_as<WandRecording>(object));
       wand.name = recording.name;
+      if (wand.truth == WandTruth::stated && summary.stated_distances.empty())
+        summary.stated_distances = wand.name;
       summary.simulated |= wand.simulated;
     }
   }
@@ -125,12 +126,15 @@ CalibrationRecordings gather(const std::vector<Recording>& recordings, const Res
 
 void write_study(const CalibrationSpec& spec, const Campaign& campaign,
                  const std::vector<Recording>& recordings, const ResultsRun& run, const fs::path& folder) {
-  CalibrationSummary summary{spec.name, campaign.name, name_of(spec.paper), campaign.simulated, {}, {}};
+  CalibrationSummary summary;
+  summary.study = spec.name;
+  summary.campaign = campaign.name;
+  summary.paper = name_of(spec.paper);
+  summary.simulated = campaign.simulated;
   const CalibrationRecordings made = gather(recordings, run, summary);
   if (summary.recordings.empty())
     throw InputError("campaign \"" + campaign.name + '"', summary.failed.front());
   summary.numbers = calibration_numbers(made);
-  summary.claims = claims_of(summary.paper, made);
   const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
   if (!simulator.empty()) write_declared_parameters(folder, simulator);
   store_tables(folder, calibration_tables(summary, made));

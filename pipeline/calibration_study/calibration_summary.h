@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -103,14 +102,14 @@ struct CalibrationSummary {
   static constexpr StudyKind kKind = StudyKind::calibration;
   std::string study, campaign;
   std::string paper = name_of(PaperStudy::none);
-  bool simulated = false;                // any recording
-  std::vector<std::string> recordings;   // that were evaluated
-  std::vector<std::string> failed;       // those that could not be, each with the reason
-  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
+  bool simulated = false;               // any recording
+  std::vector<std::string> recordings;  // that were evaluated
+  std::string stated_distances;         // the first of them whose distances are stated; empty without one
+  std::vector<std::string> failed;      // those that could not be, each with the reason
   std::uint64_t rows = 0;
   Numbers numbers = {};
 
-  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, failed, claims, rows)
+  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, stated_distances, failed, rows)
 };
 
 }  // namespace trilat

@@ -59,6 +59,13 @@ ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound) {
   return chance_of(std::get<Estimate>(number), kPercent, bound);
 }
 
+Estimate estimate_of(const Number& number) {
+  Estimate estimate{number.value, kNaN, static_cast<std::size_t>(number.clusters)};
+  if (number.clusters > 1 && std::isfinite(number.high))
+    estimate.standard_error = (number.high - number.value) / student_quantile(estimate.clusters - 1);
+  return estimate;
+}
+
 ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers) {
   ClaimChance all{0.0, 1.0};
   for (const ClaimChance& one : numbers) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/results/claims.h"
+#include "datasets/results/numbers.h"
 #include "evaluators/metrics/statistics.h"
 
 namespace trilat {
@@ -32,7 +33,9 @@ struct Measurement {
   double compared = kNaN;    // share of the samples that both methods answer
   std::string missing = {};  // why nothing was measured; the rest is empty then
 };
-inline Measurement lacking(std::string what) { return {.missing = std::move(what)}; }
+
+// A stored number with the spread that its interval shows; without an interval none is known.
+Estimate estimate_of(const Number& number);
 
 // Twice the one-sided probabilities, at most 1, that a number lies so far on its side of the bound (or on the
 // other) by chance: by Student's t of an estimate between clusters, exact of a share. 1 where nothing is
@@ -47,7 +50,7 @@ ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound);
 // does (the smallest, times their number).
 ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers);
 
-// The stored form of a measurement; without a bound where nothing is to be decided.
+// What a measurement comes to; without a bound where nothing is to be decided.
 ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
                          const std::optional<ClaimBound>& bound);
 

@@ -3,14 +3,137 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "evaluators/metrics/statistics.h"
+#include "pipeline/claims/error_measures.h"
 
 namespace trilat {
 namespace {
+
+constexpr const char* kRuns = "recordings of a sensor";
+constexpr const char* kUnits = "sensors";
+
+std::string what_of(const ClaimedNumber& number) {
+  if (!number.what.empty()) return number.what;
+  const NumberKey& key = number.key;
+  return fmt::format("{} against {}{}", key.method, key.against,
+                     key.group == kPaperJoints ? "" : ", " + key.group);
+}
+
+Measurement measured(const ClaimedNumber& claimed, const Number& number) {
+  Estimate estimate = estimate_of(number);
+  estimate.value -= claimed.less;
+  return {.what = what_of(claimed), .unit = unit_of(number) == "m" ? "cm" : "%", .number = estimate};
+}
+Measurement lacking(std::string what) { return {.missing = std::move(what)}; }
+
+// The methods of a name: of a family, of "best of FAMILY", or itself.
+std::vector<std::string> methods_named(const ResultsSummary& s, const std::string& name) {
+  if (name.starts_with(kBestOf)) return methods_named(s, name.substr(kBestOf.size()));
+  const auto family = std::ranges::find(s.families, name, &MethodFamily::name);
+  if (family != s.families.end()) return family->methods;
+  const bool is_there = std::ranges::find(s.methods, name) != s.methods.end();
+  return is_there ? std::vector{name} : std::vector<std::string>{};
+}
+
+// Why a study lacks a number of that key.
+std::string lack_of(const ResultsSummary& s, const NumberKey& key) {
+  if (s.left_out()) return "motion capture: differences from a sensor are no errors";
+  std::vector<std::string> names{key.method};
+  if (key.measure == "distance") names.push_back(key.against);
+  for (const std::string& name : names)
+    if (methods_named(s, name).empty()) return fmt::format("a study with {}", name);
+  const std::vector<std::string> joints = printed_groups(key.condition);
+  if (!std::ranges::all_of(
+          joints,
+          [&](const std::string& group) { return std::ranges::find(s.groups, group) != s.groups.end(); }) ||
+      std::ranges::find(s.conditions, key.condition) == s.conditions.end())
+    return fmt::format("a study of {} with the joints of {}", key.condition, fmt::join(joints, ", "));
+  for (const std::string& name : names)
+    if (std::ranges::none_of(methods_named(s, name), [&](const std::string& method) {
+          return std::ranges::any_of(s.groups, [&](const std::string& group) {
+            return coverage_of(s, method, key.condition, group, s.alignments.front()) > 0.0;
+          });
+        }))
+      return fmt::format("{} answers nothing on the rig of {}", name, s.campaign);
+  return key.method.starts_with(kBestOf) ? "more than one participant"
+                                         : fmt::format("samples that {} answer", fmt::join(names, " and "));
+}
+
+Measurement find(const ResultsSummary& s, const ClaimedNumber& claimed) {
+  const NumberKey key = claimed.key.with({.alignment = s.alignments.front()});
+  const Number* number = s.numbers.find(key);
+  if (!number) return lacking(lack_of(s, key));
+  Measurement found = measured(claimed, *number);
+  found.compared = s.numbers.value(key.with({.statistic = "share_compared"}));
+  const auto clusters = s.clusters.find(key.condition);
+  if (clusters != s.clusters.end()) found.over = clusters->second;
+  return found;
+}
+
+// What is listed whole has no interval.
+Measurement find(const SweepSummary& s, const ClaimedNumber& claimed) {
+  const Number* number = s.numbers.find(claimed.key);
+  if (!number) return lacking("a sweep over the thresholds and error ranges of Table I");
+  return {.what = fmt::format("of {} acceptable interpretations of {}", number->n, s.interpretations()),
+          .unit = "%",
+          .number = number->value,
+          .over = "interpretations, all of them listed"};
+}
+
+// A share over recordings and sensors, each of which is a cluster with a number of its own.
+Measurement find(const ClocksSummary& s, const ClaimedNumber& claimed) {
+  const NumberKey& key = claimed.key;
+  std::vector<double> part, whole;
+  for (const Number& unit : s.numbers.all()) {
+    if (unit.take.empty() || unit.with(key) != unit) continue;
+    part.push_back(std::round(unit.value * static_cast<double>(unit.n)));
+    whole.push_back(static_cast<double>(unit.n));
+  }
+  if (whole.empty())
+    return lacking(
+        fmt::format("a study of clocks with {} of {}, {}", key.statistic, key.measure, key.method));
+  return {.what = s.campaign, .unit = "%", .number = estimate_share(part, whole), .over = kRuns};
+}
+
+Measurement find(const CalibrationSummary& s, const ClaimedNumber& claimed) {
+  const Number* number = s.numbers.find(claimed.key.with({.condition = s.stated_distances}));
+  if (s.stated_distances.empty() || !number)
+    return lacking("a calibration study with a ball at stated distances");
+  Measurement found = measured(claimed, *number);
+  found.over = kUnits;
+  return found;
+}
+
+// The numbers of every claim and erratum that such a repetition of the paper measures.
+std::vector<ClaimNumber> numbers_in(const auto& summary) {
+  std::vector<ClaimNumber> numbers;
+  const auto add = [&](const auto& row, const std::optional<ClaimBound>& bound) {
+    if (row.study != summary.paper) return;
+    for (const ClaimedNumber& number : row.numbers)
+      numbers.push_back(claim_number(row.id, find(summary, number), number.bound ? number.bound : bound));
+  };
+  for (const PaperClaim& claim : paper_claims()) add(claim, claim.bound);
+  for (const ErratumEffect& effect : erratum_effects()) add(effect, std::nullopt);
+  return numbers;
+}
+
+std::vector<ClaimNumber> numbers_of_results(const std::filesystem::path& folder) {
+  switch (results_kind(folder)) {
+    case StudyKind::accuracy:
+      return claim_numbers(read_results<ResultsSummary>(folder));
+    case StudyKind::threshold_sweep:
+      return claim_numbers(read_results<SweepSummary>(folder));
+    case StudyKind::calibration:
+      return claim_numbers(read_results<CalibrationSummary>(folder));
+    case StudyKind::clocks:
+      return claim_numbers(read_results<ClocksSummary>(folder));
+  }
+  return {};
+}
 
 JudgedClaim claim_with(const PaperClaim& claim, std::span<const ClaimNumber> numbers) {
   JudgedClaim judged{claim.id, claim.where, claim.text, claim.printed, claim.why, {}, kNaN};
@@ -60,6 +183,11 @@ std::string too_few_clusters(const PaperClaim& claim, const JudgedClaim& judged)
 
 }  // namespace
 
+std::vector<ClaimNumber> claim_numbers(const ResultsSummary& summary) { return numbers_in(summary); }
+std::vector<ClaimNumber> claim_numbers(const SweepSummary& summary) { return numbers_in(summary); }
+std::vector<ClaimNumber> claim_numbers(const ClocksSummary& summary) { return numbers_in(summary); }
+std::vector<ClaimNumber> claim_numbers(const CalibrationSummary& summary) { return numbers_in(summary); }
+
 std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
                                       std::span<const ClaimNumber> numbers) {
   std::vector<JudgedClaim> judged;
@@ -90,7 +218,10 @@ std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
 std::optional<PaperFindings> judge_paper(const std::vector<std::filesystem::path>& results) {
   PaperFindings findings{read_paper_evidence(results), {}, {}};
   if (!findings.evidence.is_of_the_paper) return std::nullopt;
-  const std::vector<ClaimNumber>& numbers = findings.evidence.claims;
+  std::vector<ClaimNumber> numbers;
+  for (const std::filesystem::path& folder : results)
+    if (read_results_head(folder).paper != name_of(PaperStudy::none))
+      for (ClaimNumber& number : numbers_of_results(folder)) numbers.push_back(std::move(number));
   findings.claims = judge_claims(paper_claims(), numbers);
   for (const ErratumEffect& effect : erratum_effects())
     for (const ClaimNumber& number : numbers)

@@ -7,14 +7,24 @@
 #include <vector>
 
 #include "datasets/results/paper_evidence.h"
+#include "datasets/results/summary.h"
+#include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/claims/paper_claims.h"
+#include "pipeline/clocks/clocks_summary.h"
+#include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
 
 // The chance of a false verdict among all claims that are tested.
 inline constexpr double kFalseVerdicts = 0.05;
 
-// Judges claims by the numbers that studies stored for them: every number of a claim has to lie on its side
+// What the claims and errata of the paper are judged by, as the numbers of a study give it.
+std::vector<ClaimNumber> claim_numbers(const ResultsSummary& summary);
+std::vector<ClaimNumber> claim_numbers(const SweepSummary& summary);
+std::vector<ClaimNumber> claim_numbers(const ClocksSummary& summary);
+std::vector<ClaimNumber> claim_numbers(const CalibrationSummary& summary);
+
+// Judges claims by the numbers of studies: every number of a claim has to lie on its side
 // of the bound, whichever study it is of. Probabilities are corrected for how many claims are tested (Holm
 // 1979).
 std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,

@@ -7,35 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/numbers.h"
 #include "pipeline/claims/claim_number.h"
-#include "pipeline/claims/error_measures.h"
-#include "pipeline/claims/study_measures.h"
 
 namespace trilat {
 
-// A measure that claims are judged by; the kind of study that has it stands in brackets.
-enum class ClaimMeasure : std::uint8_t {
-  difference,            // of a method's error from another's (accuracy)
-  place,                 // of a method's error at one place from that at another (accuracy)
-  abrupt,                // of nonlinear's error where joints accelerate more (accuracy)
-  clock_cost,            // how far a joint goes in that time, in shares of the error (accuracy)
-  largest_wrist_height,  // of a take (accuracy)
-  wrist_height,          // mean error (accuracy)
-  interpretations,       // of Table I that are acceptable (threshold sweep)
-  share,                 // over recordings and sensors, by its key in numbers.csv (clocks)
-  wand_distance,         // mean error in a zone, or against another zone (calibration)
-};
-
-// One number of a claim.
+// One number of a claim: its key in numbers.csv, to which an accuracy study adds its alignment and a
+// calibration study the recording of stated distances as condition.
 struct ClaimedNumber {
-  ClaimMeasure measure = ClaimMeasure::difference;
-  std::string method = {}, against = {};
-  ErrorPlace at = {}, other = {};
-  NumberKey key = {};  // of a share
-  double seconds = 0.0;
-  WandZone zone = {};
-  std::optional<WandZone> other_zone = {};
-  double less_m = 0.0;
+  NumberKey key;
+  std::string what = {};                 // empty: "METHOD against AGAINST, GROUP"
+  double less = 0.0;                     // is taken off the value, in SI units
   std::optional<ClaimBound> bound = {};  // instead of the claim's
 };
 
@@ -66,13 +48,9 @@ struct ErratumEffect {
 std::span<const PaperClaim> paper_claims();
 std::span<const ErratumEffect> erratum_effects();
 
-// The methods that claims and errata compare others with, in such a repetition of the paper.
+// The keys of all numbers of claims and errata of such a repetition of the paper.
+std::vector<NumberKey> claimed_keys(const std::string& paper);
+// The methods that they compare others with.
 std::vector<std::string> compared_with(const std::string& paper);
-
-// Every number that a study's results bear on, of claims and errata, as it is stored with them.
-std::vector<ClaimNumber> claims_of(const StudyErrors& errors);
-std::vector<ClaimNumber> claims_of(const SweepSummary& summary);
-std::vector<ClaimNumber> claims_of(const ClocksSummary& summary);
-std::vector<ClaimNumber> claims_of(const std::string& paper, const CalibrationRecordings& recordings);
 
 }  // namespace trilat

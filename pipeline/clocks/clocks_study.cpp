@@ -13,7 +13,6 @@
 #include "datasets/results/declared_parameters.h"
 #include "datasets/results/figure.h"
 #include "evaluators/metrics/statistics.h"
-#include "pipeline/claims/paper_claims.h"
 #include "pipeline/clocks/clock_trial.h"
 #include "pipeline/clocks/clocks_tables.h"
 #include "pipeline/study/parallel.h"
@@ -289,7 +288,6 @@ ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs:
       auto summary = read_as<ClocksSummary>(JsonObject(outcome.json, outcome.place(), ""));
       summary.numbers = read_numbers(outcome.folder, summary.rows);
       summary.campaign = campaign.name;  // which is not in the item's key
-      summary.claims = claims_of(summary);
       const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
       if (!simulator.empty()) write_declared_parameters(into, simulator);
       store_tables(into, clocks_tables(summary));

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -45,11 +44,10 @@ struct ClocksSummary {
   std::uint64_t recordings = 0;
   double late_s = 0.0;              // the limit of the queue, and of a frame in time
   std::vector<std::string> failed;  // takes and sensors without clocks to look at, each with the reason
-  std::vector<ClaimNumber> claims;  // of the paper, that the study bears on
   std::uint64_t rows = 0;
   Numbers numbers = {};
 
-  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, late_s, failed, claims, rows)
+  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, late_s, failed, rows)
 };
 
 }  // namespace trilat

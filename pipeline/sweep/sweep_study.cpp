@@ -11,7 +11,6 @@
 #include "datasets/base/error.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/timings.h"
-#include "pipeline/claims/paper_claims.h"
 #include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_run.h"
@@ -162,7 +161,7 @@ SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, 
     const Outcome& outcome = run.outcome(i);
     s.numbers.add(read_numbers(outcome.folder, outcome.json.at("rows").get<std::size_t>()));
   }
-  s.claims = claims_of(s);
+  add_interpretations(s);
   return s;
 }
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "datasets/base/described.h"
-#include "datasets/results/claims.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -56,8 +55,7 @@ struct SweepSummary {
   std::uint64_t max_iterations = 0;
   std::uint64_t skipped = 0;                 // combinations that contradict themselves or repeat another
   std::uint64_t thresholds = 1, ranges = 1;  // how many of each an interpretation has
-  std::vector<SweepCell> cells;          // interpretation by interpretation, in each threshold by threshold
-  std::vector<ClaimNumber> claims = {};  // of the paper, that the study bears on
+  std::vector<SweepCell> cells;  // interpretation by interpretation, in each threshold by threshold
   std::uint64_t rows = 0;
   Numbers numbers = {};
 
@@ -75,7 +73,7 @@ struct SweepSummary {
   }
 
   TRILAT_FIELDS(study, paper, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, cells,
-                claims, rows)
+                rows)
   void check(const JsonObject& object) const {
     if (thresholds == 0 || ranges == 0 || cells.size() % (thresholds * ranges) != 0)
       object.refuse("cells", "must hold one cell for every interpretation, threshold and range");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -24,7 +25,7 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
     for (std::size_t t = 0; t < s.thresholds; ++t) rows.push_back({t, r});
   using Chosen = std::optional<std::size_t>;
   const Chosen both = interpretations.as_printed, e7 = interpretations.printed,
-                ours = interpretations.corrected;
+               ours = interpretations.corrected;
   // NaN without this interpretation.
   const auto of_cell = [&s](Chosen interpretation, auto get) {
     return [=, &s](const Place& p) {
@@ -40,9 +41,7 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
                        return timings.problems > 0 ? timings.solve_us.at(cell) : kNoNumber;
                      }));
   };
-  const auto steps = [&](Chosen interpretation) {
-    return as_number(1, number(interpretation, kSweptSteps));
-  };
+  const auto steps = [&](Chosen interpretation) { return as_number(1, number(interpretation, kSweptSteps)); };
   const auto answered = [&](Chosen interpretation) {
     return in_percent(number(interpretation, kSweptAnswers));
   };
@@ -114,7 +113,55 @@ bool is_the_papers_grid(const SweepSummary& s, const PrintedTable1& paper) {
   return all;
 }
 
+// Whether the last threshold but one is a compromise in an interpretation, at every error range: the last one
+// takes twice its steps, and the first one errs by a tenth more.
+bool is_compromise(const SweepSummary& s, std::size_t interpretation) {
+  constexpr double kMoreSteps = 2.0, kLessAccurate = 1.1;
+  const std::size_t last = s.thresholds - 1;
+  for (std::size_t range = 0; range < s.ranges; ++range) {
+    const SweepCell &first = s.cell(interpretation, 0, range),
+                    &chosen = s.cell(interpretation, last - 1, range),
+                    &smallest = s.cell(interpretation, last, range);
+    if (!(s.value(smallest, kSweptSteps) >= kMoreSteps * s.value(chosen, kSweptSteps)) ||
+        !(s.value(first, kSweptError) >= kLessAccurate * s.value(chosen, kSweptError)))
+      return false;
+  }
+  return true;
+}
+
+// Whether every error is near the printed one, as the mean distance or as the mean over axes.
+bool is_near(const SweepSummary& s, std::size_t interpretation, const PrintedTable1& paper) {
+  constexpr double kNear = 2.0, kAnswered = 0.9;
+  std::array<bool, 2> near{true, true};
+  for (std::size_t range = 0; range < s.ranges; ++range)
+    for (std::size_t t = 0; t < s.thresholds; ++t) {
+      const SweepCell& cell = s.cell(interpretation, t, range);
+      const double printed_m = paper.rows[t].error_cm[range] / kCentimetresPerMetre;
+      const bool answers = s.value(cell, kSweptAnswers) >= kAnswered;
+      const std::array<double, 2> error_m{s.value(cell, kSweptError), axis_mean_m(s, cell)};
+      for (const std::size_t k : {0u, 1u})
+        near[k] = near[k] && answers && error_m[k] <= kNear * printed_m && error_m[k] >= printed_m / kNear;
+    }
+  return near[0] || near[1];
+}
+
 }  // namespace
+
+void add_interpretations(SweepSummary& s) {
+  const PrintedTable1 paper = printed_table1();
+  if (s.thresholds != paper.rows.size() || s.ranges != paper.ranges_cm.size() || s.thresholds < 3) return;
+  std::uint64_t near = 0, compromise = 0;
+  for (std::size_t k = 0; k < s.interpretations(); ++k) {
+    if (!is_near(s, k, paper)) continue;
+    ++near;
+    compromise += is_compromise(s, k);
+  }
+  s.numbers.add({{.measure = "interpretations", .statistic = "share"},
+                 share_of(compromise, near),
+                 kNoNumber,
+                 kNoNumber,
+                 near});
+}
 
 std::vector<Table> table1(const SweepSummary& s, const SweepTimings& timings) {
   const PrintedTable1 paper = printed_table1();

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import matplotlib.axes
     import pandas
 
-NEWEST_SUMMARY = 11
+NEWEST_SUMMARY = 12
 NEWEST_MANIFEST = 2
 NEWEST_TAKE = 4
 ANSWERS = ("converged", "closed_form", "clamped", "given")

@@ -240,6 +240,12 @@ TEST(RigRefinement, ThreeFirstPointsOnALineDoNotDetermineTheWorld) {
   EXPECT_EQ(refine(problem, {}).status, RigStatus::gauge_undetermined);
 }
 
+TEST(RigRefinement, AFirstPointThatNoSensorSeesDoesNotDetermineTheWorld) {
+  RigProblem problem = simulated_rig(2, {}).problem;
+  std::erase_if(problem.observations, [](const PointObservation& o) { return o.point == 2; });
+  EXPECT_EQ(refine(problem, {}).status, RigStatus::gauge_undetermined);
+}
+
 // Relative to the reference sensor the uncertainty falls with the root of the number of positions.
 TEST(RigRefinement, FourTimesThePositionsHalveTheStatedUncertainty) {
   const auto sigma_m = [](std::size_t positions) {

@@ -80,6 +80,26 @@ OffTake off_take(const OffRig& spec, std::uint64_t seed) {
   return take;
 }
 
+// What is not seen, or lies in the sensor's own place, has no ray to be corrected along.
+TEST(CorrectedView, WhatIsNotSeenOrHasNoRangeStaysAsItIs) {
+  const PoseCorrection off{{0.1, 0.0, 0.0}, {0.2, 0.0, 0.0}, 0.3};
+  JointObservation unseen;
+  unseen.seen = false;
+  unseen.range_m = 2.0;
+  unseen.point_in_world_m = {0.0, 1.0, 2.0};
+  JointObservation on_sensor = unseen;
+  on_sensor.seen = true;
+  on_sensor.range_m = 0.0;
+  for (const JointObservation& view : {unseen, on_sensor}) {
+    const JointObservation same = corrected_view(view, {}, off);
+    EXPECT_EQ(same.range_m, view.range_m);
+    EXPECT_EQ(same.point_in_world_m, view.point_in_world_m);
+  }
+  JointObservation seen = unseen;
+  seen.seen = true;
+  EXPECT_EQ(corrected_view(seen, {}, off).range_m, 1.7);
+}
+
 TEST(SelfCalibration, CorrectionsTakeAwayWhatTheyAre) {
   const OffTake take = off_take({.joint_m = 0.0, .noise_m = 0.0}, 1);
   EXPECT_LT(take.mean_error_m(take.truth), 1e-12);

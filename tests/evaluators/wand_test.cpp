@@ -159,6 +159,15 @@ TEST(FindWand, NearSearchAgreesWithTheFullSearch) {
   }
 }
 
+TEST(FindWand, AnImageThatIsNotOfTheCamerasSizeIsOurBug) {
+  const DepthPicture picture = picture_of(ball_at({0.0, 0.0, 2.0}), rays());
+  DepthImageView narrow = picture.view(), low = picture.view();
+  --narrow.width_px;
+  --low.height_px;
+  EXPECT_THROW(find_wand(narrow, rays(), kOptions), InternalError);
+  EXPECT_THROW(find_wand(low, rays(), kOptions), InternalError);
+}
+
 TEST(FindWand, NearSearchDoesNotLookElsewhere) {
   const DepthPicture picture = picture_of(ball_at({0.5, 0.0, 2.0}), rays());
   EXPECT_EQ(find_wand(picture.view(), rays(), kOptions, Vector3d(-0.5, 0.0, 2.0)).status,

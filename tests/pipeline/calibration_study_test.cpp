@@ -95,6 +95,7 @@ TEST(CalibrationNumbers, OfABallByPencil) {
   WandRecording wand;
   wand.name = "bench";
   wand.ball_radius_m = 0.1;
+  wand.sensors = {"k1", "k2"};
   const std::size_t ours = wand_method("ours");
   wand.statuses.resize(wand_method_names().size());
   wand.statuses[ours] = {{"found", 5}, {"nothing", 1}};
@@ -127,6 +128,20 @@ TEST(CalibrationNumbers, OfABallByPencil) {
   EXPECT_EQ(number("distance below 0.5 m", "ball_distance", "mean").n, 1u);
   EXPECT_EQ(number("distance 3 to 3.75 m", "ball_distance", "mean").n, 2u);  // an edge is of the bin above
   EXPECT_EQ(number("angle 9 to 18 degrees", "ball_distance", "mean").n, 2u);
+  EXPECT_EQ(numbers.n({.condition = "bench",
+                       .group = "farther",
+                       .method = "ours",
+                       .against = "inside",
+                       .measure = "ball_distance",
+                       .statistic = "relative_difference"}),
+            2u);
+  EXPECT_NEAR(numbers.value({.condition = "bench",
+                             .group = "farther",
+                             .method = "ours",
+                             .against = "inside",
+                             .measure = "ball_distance",
+                             .statistic = "relative_difference"}),
+              0.035 / 0.025 - 1.0, 1e-12);
   EXPECT_EQ(number(kAllPlaces, "status", "another_thing").n, 1u);
   EXPECT_EQ(number(kAllPlaces, "status", "found").value, 5.0 / 6.0);
   const auto pose = [&](const char* sensor, const char* measure, const char* statistic) {

@@ -35,6 +35,16 @@ ClaimVerdict verdict(const MeasuredNumber& number, const ClaimBound& bound) {
   return judge({number_of(number, bound)}).verdict;
 }
 
+// The spread that a stored interval shows is the one that it was made from.
+TEST(Claims, AStoredNumberIsJudgedByItsInterval) {
+  const Estimate made = estimate(0.2, 0.03, 7);
+  const Estimate read = estimate_of({{}, made.value, made.low(), made.high(), 100, 7});
+  EXPECT_EQ(read.value, 0.2);
+  EXPECT_EQ(read.clusters, 7u);
+  EXPECT_NEAR(read.standard_error, 0.03, 1e-12);
+  EXPECT_TRUE(std::isnan(estimate_of({{}, 0.2, kNoNumber, kNoNumber, 100, 1}).standard_error));
+}
+
 TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
   const ClaimChance above = chance_of(estimate(0.2, 0.01), more_than(10)),
                     below = chance_of(estimate(0.05, 0.01), more_than(10));
@@ -165,6 +175,28 @@ TEST(Claims, MethodsAreComparedByPencil) {
   EXPECT_NEAR(number.compared, 1.0, 1e-12);
 }
 
+// What claims are judged by stands in numbers.csv, with how many of the samples both methods answer.
+TEST(Claims, TheirNumbersAreNumbersOfTheStudy) {
+  MadeStudy study("table3", {"head", "shoulder_left", "elbow_left", "wrist_right"}, {"nonlinear", "linear"});
+  for (const char* who : {"a", "b", "c"})
+    study.add(
+        who, "walking", [](std::uint32_t, std::uint32_t m, Subset) { return m == 0 ? 0.05 : 0.06; },
+        [](std::uint32_t m) { return m == 0 ? MadeStudy::kSamples : MadeStudy::kSamples / 4; });
+  const ResultsSummary summary = study.summary();
+  const NumberKey key{.condition = "walking",
+                      .group = kPaperJoints,
+                      .method = "linear",
+                      .against = "nonlinear",
+                      .alignment = "mean",
+                      .measure = "distance"};
+  const Number* relative = summary.numbers.find(key.with({.statistic = "relative_difference"}));
+  ASSERT_TRUE(relative);
+  EXPECT_NEAR(relative->value, 0.2, 1e-12);
+  EXPECT_EQ(relative->n, 3u * 4u * MadeStudy::kSamples / 4u);
+  EXPECT_EQ(summary.numbers.value(key.with({.statistic = "share_compared"})), 0.25);
+  EXPECT_EQ(numbers_of("better_than_linear", claim_numbers(summary)).at(0).compared, 0.25);
+}
+
 // Own data with legs mapped: the paper's average is over head, shoulder, elbow and wrist.
 TEST(Claims, AreJudgedAtThePapersJoints) {
   MadeStudy study("table3", {"head", "shoulder_left", "elbow_left", "wrist_right", "ankle_left"},
@@ -232,6 +264,71 @@ TEST(Claims, TheWristOfTheFigureIsJudgedByItsLargestError) {
   EXPECT_EQ(numbers[1].bound, "less than 1 cm");
 }
 
+// The way of the fastest joint in 5 ms: half a metre a second, of an error of 4 cm.
+TEST(Claims, WhatAClockCostsIsTheWayOfTheFastestJoint) {
+  const MadeStudy study = walking({{"nonlinear", {4.0, 4.0, 4.0}}});
+  const ClaimNumber number = numbers_of("clock_good_enough", study.claims()).at(0);
+  EXPECT_NEAR(number.value, 100.0 * 0.5 * 0.005 / 0.04, 1e-9);
+  EXPECT_EQ(number.bound, "less than 10 %");
+}
+
+TEST(Claims, PlacesAreComparedByPencil) {
+  MadeStudy study("table3", {"head", "shoulder_left", "elbow_left", "wrist_right"}, {"nonlinear"});
+  for (const char* who : {"a", "b", "c"})
+    study.add(who, "walking", [](std::uint32_t j, std::uint32_t, Subset) { return 0.01 * (j + 1); });
+  const auto numbers = numbers_of("wrist_worst", study.claims());
+  ASSERT_EQ(numbers.size(), 3u);
+  EXPECT_NEAR(numbers[0].value, 100.0, 1e-9);  // against the shoulder
+  EXPECT_NEAR(numbers[1].value, 300.0, 1e-9);  // the head
+  EXPECT_NEAR(numbers[2].value, 100.0 / 3.0, 1e-9);
+  EXPECT_EQ(numbers[0].what, "nonlinear: wrist against shoulder");
+  MadeStudy occluded("table2",
+                     {"shoulder_left", "elbow_left", "wrist_left", "hip_left", "knee_left", "ankle_left"},
+                     {"nonlinear", "nonlinear, occlusion corrected"});
+  for (const char* who : {"a", "b", "c"})
+    for (const char* activity : {"arm_swing", "leg_crossing"})
+      occluded.add(who, activity, [&](std::uint32_t, std::uint32_t, Subset subset) {
+        return (activity[0] == 'l' ? 0.03 : 0.02) * (subset == Subset::occluded ? 2.0 : 1.0);
+      });
+  EXPECT_NEAR(numbers_of("legs_worse", occluded.claims()).at(0).value, 50.0, 1e-9);
+}
+
+// Four recordings of sensors, each with so many frames below 4 ms.
+TEST(Claims, SharesOfClocksAreOverRecordingsAndSensors) {
+  ClocksSummary clocks;
+  clocks.paper = "clocks";
+  clocks.campaign = "bench";
+  const NumberKey key{
+      .method = "corrected, causal", .measure = "clock_error", .statistic = "share_below_4ms"};
+  for (const char* sensor : {"k1", "k2", "k3", "k4"})
+    clocks.numbers.add({key.with({.group = sensor, .take = "walk"}), 0.75, kNoNumber, kNoNumber, 1000});
+  clocks.numbers.add({key, 0.1, kNoNumber, kNoNumber, 4000});  // of all together: not counted again
+  const ClaimNumber number = numbers_of("clock_below_4ms", claim_numbers(clocks)).at(0);
+  EXPECT_EQ(number.value, 75.0);
+  EXPECT_EQ(number.clusters, 4u);
+  EXPECT_EQ(number.over, "recordings of a sensor");
+  EXPECT_THAT(numbers_of("clock_below_2ms", claim_numbers(clocks)).at(0).missing,
+              HasSubstr("share_below_2ms of clock_error"));
+}
+
+TEST(Claims, OfTheWandAreThoseOfTheStatedDistances) {
+  CalibrationSummary calibration;
+  calibration.paper = "calibration";
+  const NumberKey key{.condition = "bench",
+                      .group = "inside",
+                      .method = "corrected by the mid-range",
+                      .measure = "ball_distance"};
+  calibration.numbers.add({key.with({.statistic = "mean"}), 0.0173, 0.0, 0.0373, 50, 8});
+  EXPECT_THAT(numbers_of("wand_accuracy", claim_numbers(calibration)).at(0).missing,
+              HasSubstr("stated distances"));
+  calibration.stated_distances = "bench";
+  const ClaimNumber number = numbers_of("wand_accuracy", claim_numbers(calibration)).at(0);
+  EXPECT_NEAR(number.value, 1.0, 1e-9);  // less 0.73 cm
+  EXPECT_NEAR(number.high, 3.0, 1e-9);
+  EXPECT_EQ(number.unit, "cm");
+  EXPECT_EQ(number.bound, "within 0.24 cm");
+}
+
 TEST(Claims, AreHonestWithoutResults) {
   for (const JudgedClaim& claim : judge_claims(paper_claims(), {})) {
     EXPECT_THAT(claim.verdict, testing::AnyOf(ClaimVerdict::cannot_test, ClaimVerdict::contradicts))
@@ -247,8 +344,10 @@ TEST(Claims, EachThatIsTestedSaysByWhichNumbersOfWhichStudyAndWithWhichBound) {
     const bool is_judged = claim.kind == ClaimKind::tested || claim.kind == ClaimKind::listed;
     EXPECT_EQ(is_judged, !claim.numbers.empty()) << claim.id;
     EXPECT_EQ(is_judged, std::ranges::find(kPaperStudies, claim.study) != kPaperStudies.end()) << claim.id;
-    for (const ClaimedNumber& number : claim.numbers)
+    for (const ClaimedNumber& number : claim.numbers) {
       EXPECT_TRUE(number.bound.has_value() || claim.bound.has_value()) << claim.id;
+      EXPECT_FALSE(number.key.measure.empty() || number.key.statistic.empty()) << claim.id;
+    }
   }
   EXPECT_THAT(compared_with("table3"),
               testing::UnorderedElementsAre("mean", "nonlinear", "nonlinear, each three",

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/claims/paper_claims.h"
+#include "pipeline/claims/error_measures.h"
+#include "pipeline/claims/judge_claims.h"
 #include "pipeline/errors/condition_errors.h"
 
 namespace trilat {
@@ -63,7 +64,32 @@ struct MadeStudy {
     names.participants = people.size();
   }
 
-  std::vector<ClaimNumber> claims() const { return claims_of(StudyErrors(takes, joints, names)); }
+  // The study's numbers, of which claims and errata need errors and answers.
+  ResultsSummary summary() const {
+    ResultsSummary made = names;
+    const StudyErrors errors(takes, joints, names);
+    made.numbers = claimed_numbers(errors);
+    for (const std::string& condition : names.conditions) {
+      const ConditionErrors in = errors.in(condition);
+      made.clusters[condition] = made.clusters[occluded_condition(condition)] = in.clusters();
+      for (const std::size_t g : in.groups())
+        for (std::size_t m = 0; m < names.methods.size(); ++m) {
+          const CellSums& cell = in.cell(g, m, 0);
+          made.numbers.add({{.condition = condition,
+                             .group = names.groups[g],
+                             .method = names.methods[m],
+                             .alignment = names.alignments.front(),
+                             .measure = "answered",
+                             .statistic = "share"},
+                            static_cast<double>(cell.answered) / static_cast<double>(cell.asked),
+                            kNoNumber,
+                            kNoNumber,
+                            cell.asked});
+        }
+    }
+    return made;
+  }
+  std::vector<ClaimNumber> claims() const { return claim_numbers(summary()); }
 
  private:
   static void add_errors(TakeErrors& table, std::uint32_t j, std::uint32_t m, Subset subset, std::uint32_t n,

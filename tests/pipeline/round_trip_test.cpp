@@ -87,13 +87,12 @@ TYPED_TEST_SUITE(Filled, Plain);
 TYPED_TEST(Filled, IsReadBackToTheLastBit) { expect_read_back(filled<TypeParam>()); }
 
 // NaN is written as null and read back as NaN.
-TEST(FilledStudy, OfAccuracyMayLackNumbers) {
-  ResultsSummary summary = filled<ResultsSummary>();
-  summary.claims = {ClaimNumber{}};
-  const std::string text = json_text(json_of(summary), 1);
+TEST(FilledStudy, OfAWallMayLackNumbers) {
+  const WallRow wall;
+  const std::string text = json_text(json_of(wall), 1);
   EXPECT_THAT(text, testing::HasSubstr("null"));
-  const Json parsed = parse_json(text, "filled.json");
-  EXPECT_EQ(json_text(json_of(read_as<ResultsSummary>(JsonObject(parsed, "filled.json", ""))), 1), text);
+  const Json parsed = parse_json(text, "wall.json");
+  EXPECT_EQ(json_text(json_of(read_as<WallRow>(JsonObject(parsed, "wall.json", ""))), 1), text);
 }
 
 TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) {

@@ -44,7 +44,8 @@ class PoseChecker {
       note(fmt::format("{} is turned by {} degrees according to the bodies; the calibration states {}", name,
                        text_of(shown.rotation_rad, kDegreesPerRad),
                        stated_text(kDegreesPerRad * stated.rotation_sigma_rad, "degrees")));
-    if (add(s, "shifted", "m", shown.translation_m, std::max(kNoticed_m, kStatedSigmas * stated.position_sigma_m)))
+    if (add(s, "shifted", "m", shown.translation_m,
+            std::max(kNoticed_m, kStatedSigmas * stated.position_sigma_m)))
       note(fmt::format("{} is {} cm away according to the bodies; the calibration states {}", name,
                        text_of(shown.translation_m, kCentimetresPerMetre),
                        stated_text(kCentimetresPerMetre * stated.position_sigma_m, "cm")));
