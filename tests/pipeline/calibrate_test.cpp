@@ -308,6 +308,26 @@ TEST(CalibrateWandVerb, PosesFromTwoPositionsAreTiedToTheExport) {
   }
 }
 
+// As printed the trajectory's axis is y; the option names another.
+TEST(CalibrateWandVerb, TheTrajectorysAxisIsTheOneThatIsNamed) {
+  const ScratchFolder folder;
+  record_wand(folder / "wand.h5", rig_of(2));
+  const auto calibrated = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"calibrate", folder / "wand.h5", "--method",
+                                   "printed",   "--movement-m",     "0.7",
+                                   "-o",        folder / "c.json",  "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = run_trilat(folder, words);
+    EXPECT_NE(ended.code, 2) << ended.err;
+    Json sensors = read_json(folder / "c.json").at("sensors");
+    return sensors.dump();
+  };
+  const std::string as_printed = calibrated({}), y = calibrated({"--trajectory-axis", "y"}),
+                    x = calibrated({"--trajectory-axis", "x"});
+  EXPECT_EQ(as_printed, y);
+  EXPECT_NE(x, y);
+}
+
 // Four samples 0.3 mm to one side and the other along x: squares of 0.36 mm2 in all, of the mean an axis 0.36
 // / (3 axes * 3 * 4 samples) = 0.01 mm2.
 TEST(CalibrateViews, AKnownPlaceIsAsSureAsItsSamplesAndOptiTracksCalibration) {

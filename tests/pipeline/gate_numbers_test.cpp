@@ -109,6 +109,27 @@ TEST(GateNumbers, WhatTakesJudgeIsNotListedAgain) {
   EXPECT_EQ(compared(before, now).alarms(), 3u);
 }
 
+// A hundred are listed; of more a note says how many.
+TEST(GateNumbers, TheLargestHundredAreListed) {
+  const auto listed = [](int count) {
+    Rows before, now;
+    for (int k = 0; k < count; ++k) {
+      const std::string method = "m" + std::to_string(k);
+      before.push_back(row("distance", "p95", 0.1, method.c_str()));
+      now.push_back(row("distance", "p95", 0.2 + 0.001 * k, method.c_str()));
+    }
+    return compared(before, now);
+  };
+  EXPECT_THAT(listed(100).findings, SizeIs(100));
+  EXPECT_THAT(listed(100).notes, IsEmpty());
+  const GateReport more = listed(101);
+  ASSERT_THAT(more.findings, SizeIs(100));
+  EXPECT_EQ(more.findings.front().what, "distance p95, m100, head");
+  EXPECT_EQ(more.findings.back().what, "distance p95, m1, head");
+  EXPECT_THAT(more.notes,
+              testing::ElementsAre("sweep: 101 numbers differ, of which the 100 largest are listed"));
+}
+
 TEST(GateNumbers, AnErrorThatIsNotThereAnyMoreIsAnAlarm) {
   const GateReport report =
       compared({row("distance", "p95", 0.1), row("status", "diverged", 0.1)}, {row("distance", "max", 0.1)});

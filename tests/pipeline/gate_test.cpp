@@ -351,6 +351,10 @@ TEST(Gate, TellsStudiesThatOnlyOneSideHasAndAlarmsForALostOne) {
   ended = gate();
   EXPECT_EQ(ended.code, 1);
   EXPECT_THAT(ended.out, AllOf(HasSubstr("only in the baseline: runs"), HasSubstr("runs: fails")));
+  const auto alarms = alarms_of(compare_results(folder / "now", folder / "before"));
+  ASSERT_THAT(alarms, SizeIs(1));
+  EXPECT_EQ(alarms[0].before, 1.0);
+  EXPECT_EQ(alarms[0].now, 0.0);
 }
 
 TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {

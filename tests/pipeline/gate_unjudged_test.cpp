@@ -42,6 +42,26 @@ TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsWithTheSameNumbersAreQuiet) {
   EXPECT_EQ(nights.gate().code, 0);
 }
 
+// What can be found is said of methods that changed: an unchanged one has no spread.
+TEST(GateUnjudged, WhatCanBeFoundIsOfTheMethodsThatChanged) {
+  ErrorsByJoint before{{"walking"}, {"a", "b", "c"}, {"head", "wrist"}, {}};
+  for (int p = 0; p < 10; ++p)
+    for (const char* joint : {"head", "wrist"})
+      for (const char* method : {"a", "b", "c"}) {
+        const std::string name = "p" + std::to_string(p);
+        before.rows.push_back(
+            {name + "-walk", name, "walking", joint, joint, method, 100, 100, 0.05 + 0.001 * p});
+      }
+  ErrorsByJoint now = before;
+  for (std::size_t k = 2; k < now.rows.size(); k += 3)
+    now.rows[k].mae_m *= 1.1 + 0.001 * static_cast<double>(k % 7);
+  GateReport report;
+  const double found_percent = compare_people("walks", before, now, {}, report);
+  EXPECT_GT(found_percent, 0.0);
+  EXPECT_LT(found_percent, 10.0);
+  for (const GateFinding& finding : report.findings) EXPECT_EQ(finding.method, "c");
+}
+
 // Of ten people whose errors all grow by about a third; the size that can be found is said.
 TEST(GateUnjudged, OtherRecordingsOfTenParticipantsAreJudged) {
   MadeStudy study;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/accuracy/take/hidden_views.h"
 
+#include <map>
+
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "tests/pipeline/campaigns.h"
+#include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -44,6 +47,37 @@ TEST(HiddenViews, AreThoseThatATrackerWhichKnowsThemInfers) {
   std::vector<std::string> ids;
   for (const Table& table : tracking_tables(*tracking)) ids.push_back(table.id);
   EXPECT_THAT(ids, testing::Contains("rules"));
+}
+
+// A rule is judged where the joint is seen: a sensor that sees nobody has no part in it.
+TEST(HiddenViews, RulesAreJudgedByTheViewsThatSeeTheJoint) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "c", swinging_spec());
+  const auto rules = [&](const char* name) {
+    execute_study(study_of(kWithHidden), campaign, folder / name, {});
+    std::map<std::pair<std::string, std::string>, RuleRow> by_name;
+    const auto tracking = read_beside<TrackingSummary>(folder / name);
+    for (const RuleRow& row : tracking->rules) by_name[{row.rule, row.group}] = row;
+    return by_name;
+  };
+  const auto all = rules("all");
+  std::uint64_t marked = 0, both = 0;
+  for (const auto& [name, row] : all)
+    if (name.first == "equation 8, corrected") {
+      marked += row.marked;
+      both += row.both;
+    }
+  EXPECT_GT(marked, 50u);
+  EXPECT_GT(both, 50u);
+  EXPECT_LE(both, marked);
+  change_session(campaign.takes[0], campaign.takes[0].session.parent_path() / "blind.h5",
+                 {[](std::size_t s, BodyFrame& frame) {
+                   if (s == 0) frame.bodies.clear();
+                   return true;
+                 }});
+  const auto blind = rules("blind");
+  ASSERT_EQ(blind.size(), all.size());
+  for (const auto& [name, row] : blind) EXPECT_EQ(4 * row.views, 3 * all.at(name).views) << name.first;
 }
 
 TEST(HiddenViews, WhereNobodyKnowsThemTheirMethodsAreLeftOutWithANote) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -125,6 +128,28 @@ TEST(Sweep, ASmallerThresholdTakesMoreIterations) {
     for (std::size_t t = 1; t < 4; ++t) EXPECT_GT(steps(gradient * 4 + t), steps(gradient * 4 + t - 1));
   EXPECT_GT(steps(3), 500.0);  // printed gradient, smallest threshold
   EXPECT_LT(steps(7), 5.0);    // corrected
+}
+
+// The share that is done grows from 0 to 1 in each stage.
+TEST(Sweep, SaysHowFarItIs) {
+  const ScratchFolder folder;
+  StudyOptions options;
+  std::map<std::string, std::vector<double>> shares;
+  std::mutex mutex;
+  options.progress = [&](const std::string& stage, double share) {
+    const std::lock_guard lock(mutex);
+    shares[stage].push_back(share);
+  };
+  run_sweep(sweep_of(kOneRig +
+                     R"(, "trials": 500, "time_problems": 10, "vary": {"threshold": [1, 1e-2, 1e-4, 1e-6]})"),
+            folder / "results", options);
+  ASSERT_EQ(shares.count("timing"), 1u);
+  EXPECT_THAT(shares["timing"], testing::SizeIs(12));  // three rounds of four cells
+  for (const auto& [stage, all] : shares) {
+    EXPECT_TRUE(std::ranges::is_sorted(all)) << stage;
+    EXPECT_GE(all.front(), 0.0) << stage;
+    EXPECT_NEAR(all.back(), 1.0, 1e-12) << stage;
+  }
 }
 
 TEST(LinearStart, IsLinearTrilateration) {

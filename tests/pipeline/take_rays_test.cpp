@@ -10,11 +10,13 @@
 #include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/error_cells.h"
+#include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
@@ -83,6 +85,28 @@ TEST(TakeRays, ATurnedSensorIsFoundAndTakenAway) {
   EXPECT_TRUE(rows[1].beyond);
   EXPECT_THAT(turned.notes, Contains(Field(&TakeNote::text, HasSubstr("is turned by "))));
   EXPECT_THAT(straight.notes, Not(Contains(Field(&TakeNote::text, HasSubstr("is turned by ")))));
+}
+
+// A sensor whose ranges are all 12 cm too long, or too short.
+TEST(TakeRays, ASensorThatMeasuresTooFarOrTooNearIsNamed) {
+  const ScratchFolder folder;
+  const Campaign campaign = simulate_into(folder / "campaign", walking_spec(1, 8.0));
+  const StudySpec study =
+      study_of(R"("methods": [{"method": "mean", "calibration": "estimated"}], "alignments": ["none"])");
+  for (const float more_m : {0.12f, -0.12f}) {
+    Campaign changed = campaign;
+    change_session(changed.takes[0], folder / "changed.h5", {[&](std::size_t s, BodyFrame& frame) {
+                     for (Body& body : frame.bodies)
+                       for (std::array<float, 3>& joint_m : body.position_m)
+                         if (s == 1)
+                           for (float& axis_m : joint_m) axis_m *= 1.0f + more_m / 2.0f;
+                     return true;
+                   }});
+    const ResultsSummary summary = execute_study(study, changed, folder / "results", {});
+    EXPECT_THAT(summary.notes,
+                Contains(Field(&TakeNote::text, AllOf(HasSubstr("k2 measures"),
+                                                      HasSubstr(more_m > 0.0f ? "too far" : "too near")))));
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import zlib
 from pathlib import Path
 
 from made import PROGRAM, SOURCE, ScratchTest, cells, made, numbers, trilat
@@ -28,6 +29,25 @@ Coordinate Space,Global
 ,,Position,Position,Position,Position,Position,Position
 Frame,Time (Seconds),X,Y,Z,X,Y,Z
 """
+
+
+def rows_of_png(picture):
+    """The rows of an 8-bit RGB picture without interlacing (PNG, ISO/IEC 15948)."""
+    width, data, at = struct.unpack(">I", picture[16:20])[0], b"", 8
+    while at < len(picture):
+        size, kind = struct.unpack(">I4s", picture[at:at + 8])
+        data += picture[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += 12 + size
+    lines, rows, before = zlib.decompress(data), [], bytearray(3 * width)
+    for start in range(0, len(lines), 1 + 3 * width):
+        how, row = lines[start], bytearray(lines[start + 1:start + 1 + 3 * width])
+        for i in range(3 * width) if how else ():
+            left, up, corner = (row[i - 3], before[i], before[i - 3]) if i >= 3 else (0, before[i], 0)
+            paeth = min((left, up, corner), key=lambda value: abs(left + up - corner - value))
+            row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[how]) & 255
+        rows.append(bytes(row))
+        before = row
+    return rows
 
 
 class ProgramTest(ScratchTest):
@@ -139,8 +159,11 @@ sys.exit(code)
         at_m = [float(x) for x in (wand / "mocap.csv").read_text().splitlines()[8 + 320].split(",")[-3:]]  # 96 / 30 s at 100 Hz
         self.assertAlmostEqual(float(re.search(r"k1, depth frame 96, simulated: bodies: 1, ball at (\S+) m", said)[1]),
                                math.dist(sensor, at_m), delta=0.025)  # a unit's depth is up to 2.4 cm off
-        header = struct.unpack(">8s8xII", (self.folder / "depth.png").read_bytes()[:24])
-        self.assertEqual(header, (b"\x89PNG\r\n\x1a\n", 1024, 848))
+        picture = (self.folder / "depth.png").read_bytes()
+        self.assertEqual(struct.unpack(">8s8xII", picture[:24]), (b"\x89PNG\r\n\x1a\n", 1024, 848))
+        radius_px = 2 * 365 * 0.075 / math.dist(sensor, at_m)
+        magenta = sum(row[i:i + 3] == b"\xff\x00\xff" for row in rows_of_png(picture) for i in range(0, len(row), 3))
+        self.assertAlmostEqual(magenta / (math.pi * radius_px**2), 1.0, delta=0.4)  # the ball's pixels are tinted
 
     def test_a_reference_that_answers_nothing_is_named_and_another_is_taken(self):
         three = self.written("simulation.json", {**SIMULATION, "rig": {"heights_m": [0.6, 2.2, 0.9]}})

@@ -215,7 +215,7 @@ class Door(Opened):
         shutil.copytree(self.results.folder, newer)
         summary = json.loads((newer / "summary.json").read_text())
         (newer / "summary.json").write_text(json.dumps({**summary, "version": 99}))
-        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 11"):
+        with self.assertRaisesRegex(trilat.InputError, "has version 99; this module reads up to 12"):
             trilat.results(newer)
         (newer / "summary.json").write_text(json.dumps(summary))
         for samples in newer.glob("items/*/take.h5"):
