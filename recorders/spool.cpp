@@ -54,9 +54,9 @@ SessionHeader joint_header(const std::vector<std::unique_ptr<FrameSource>>& sour
 
 void Spool::Stream::add(const FrameStamp& stamp) {
   // A source that begins anew, or numbers by another clock, has lost nothing by that.
-  constexpr std::int64_t kLargestGap = 1'000'000;
+  constexpr std::int64_t kMaxGap = 1'000'000;
   const std::int64_t gap = last_sequence ? stamp.sequence - *last_sequence - 1 : 0;
-  if (gap > 0 && gap < kLargestGap) missing += gap;
+  if (gap > 0 && gap < kMaxGap) missing += gap;
   last_sequence = stamp.sequence;
   heard = Clock::now();
   ++arrived;

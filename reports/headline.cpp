@@ -13,7 +13,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostAnswers = 4;
+constexpr std::size_t kMaxAnswers = 4;
 // "Recorded, for comparison: WHAT: 0.8 to 4.4 cm; …".
 std::string recorded_sentence(const Table& recorded) {
   std::string text;
@@ -98,7 +98,7 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
   std::size_t left_out = 0;
   for (const Chapter& chapter : content.chapters)
     for (const std::string& finding : chapter.findings.empty() ? chapter.sentences : chapter.findings) {
-      if (headline.answers.size() < kMostAnswers)
+      if (headline.answers.size() < kMaxAnswers)
         headline.answers.push_back(content.chapters.size() > 1 ? chapter.provenance.folder + ": " + finding
                                                                : finding);
       else

@@ -48,8 +48,8 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 std::string nearest_name(std::string_view word, const std::vector<std::string>& known) {
-  constexpr std::size_t kLongestWord = 100;
-  if (word.size() > kLongestWord) return {};
+  constexpr std::size_t kMaxWordLength = 100;
+  if (word.size() > kMaxWordLength) return {};
   std::string nearest;
   std::size_t least = 1 + std::max<std::size_t>(1, word.size() / 3);
   for (const std::string& name : known)

@@ -21,8 +21,8 @@ std::array<std::uint32_t, 4> block_of(const RandomStream& stream, std::uint32_t 
 
 double open_unit(std::uint32_t low, std::uint32_t high) {
   const std::uint64_t bits = (static_cast<std::uint64_t>(high) << 32 | low) >> 11;
-  constexpr double kLargest = 1.0 - 0x1p-53;  // the sum of the largest bits rounds up to 1
-  return std::min((static_cast<double>(bits) + 0.5) * 0x1p-53, kLargest);
+  constexpr double kMaxValue = 1.0 - 0x1p-53;  // the sum of the largest bits rounds up to 1
+  return std::min((static_cast<double>(bits) + 0.5) * 0x1p-53, kMaxValue);
 }
 
 std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,

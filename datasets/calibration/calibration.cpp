@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kFormat = "trilat.calibration";
 constexpr double kUnitTolerance = 1e-3;
-constexpr double kFarthest_m = 100.0;
+constexpr double kMaxDistance_m = 100.0;
 constexpr double kSamePlace_m = 0.01;           // two sensors cannot stand so close
 constexpr std::size_t kCovarianceNumbers = 21;  // of the lower triangle, row by row
 
@@ -49,7 +49,8 @@ SensorPose read_pose(JsonObject& entry) {
   pose.name = entry.text("name");
   const auto position = entry.numbers("position_m", 3);
   for (double value : position)
-    if (std::abs(value) > kFarthest_m) entry.refuse("position_m", "lies beyond 100 m; is the unit metres?");
+    if (std::abs(value) > kMaxDistance_m)
+      entry.refuse("position_m", "lies beyond 100 m; is the unit metres?");
   const auto q = entry.numbers("rotation_xyzw", 4);
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
   if (!(std::abs(rotation.norm() - 1.0) <= kUnitTolerance))

@@ -12,8 +12,8 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kMostChunkBytes = std::uint64_t{16} << 20;
-constexpr std::uint64_t kMostChunks = std::uint64_t{1} << 26;
+constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t kMaxChunks = std::uint64_t{1} << 26;
 // A killed writer may have announced rows that still were in the library's cache of 1 MB.
 constexpr std::uint64_t kAnnouncedBytes = std::uint64_t{4} << 20;
 
@@ -81,18 +81,18 @@ void check_chunks(std::int64_t dataset, hid_t list, const std::string& place,
   if (H5Pget_chunk(list, rank, chunk.data()) != rank || chunk[0] == 0 ||
       !std::equal(row_shape.begin(), row_shape.end(), chunk.begin() + 1))
     throw InputError(place, "is cut into chunks that do not hold whole rows");
-  if (shape.row_bytes == 0 || chunk[0] > kMostChunkBytes / shape.row_bytes)
+  if (shape.row_bytes == 0 || chunk[0] > kMaxChunkBytes / shape.row_bytes)
     throw InputError(place, "has chunks of more than 16 MB, which this format does not have");
   stored.chunk_rows = chunk[0];
   stored.filters = filters_of(list);
   if (!can_be_undone(stored.filters))
     throw InputError(place,
                      "uses filters that are not read; `h5repack -f NONE` makes a copy without filters");
-  const std::uint64_t most_rows = kMostChunks * chunk[0];
+  const std::uint64_t most_rows = kMaxChunks * chunk[0];
   hsize_t chunks = 0;
   const H5Handle space(H5Dget_space(dataset), close_extent);
   if (shape.rows > most_rows) refuse_claim(place, shape.rows);
-  if (H5Dget_num_chunks(dataset, space.id(), &chunks) < 0 || chunks > kMostChunks)
+  if (H5Dget_num_chunks(dataset, space.id(), &chunks) < 0 || chunks > kMaxChunks)
     throw InputError(place, "cannot be read: the list of its chunks is damaged");
   const std::uint64_t chunk_bytes = chunk[0] * shape.row_bytes;
   if (stored.filters.empty() && chunks > file_bytes(dataset) / chunk_bytes) refuse_claim(place, shape.rows);

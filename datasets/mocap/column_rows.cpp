@@ -245,7 +245,7 @@ void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& a
   pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
   bool is_filled = false;
   for (int axis = 0; axis < 3; ++axis)
-    if (std::abs(pose.position_m[axis]) > kFarthest_m) {
+    if (std::abs(pose.position_m[axis]) > kMaxDistance_m) {
       is_filled = true;
       far_.add(position[axis], [&] {
         return cell_refusal(layout_.columns[assets_[number]][static_cast<std::size_t>(axis)],

@@ -115,9 +115,9 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     Eigen::Vector3d position_m(number(2), number(3), number(4));
     if (!position_m.allFinite()) position_m.setConstant(kMissing);
     for (const double x_m : position_m)
-      if (std::abs(x_m) > kFarthest_m)
+      if (std::abs(x_m) > kMaxDistance_m)
         far.add(x_m, [&] { return InputError(lines.place(), cells[places[1]] + ' ' + kTooFar); });
-    if (position_m.cwiseAbs().maxCoeff() > kFarthest_m) position_m.setConstant(kFilled);
+    if (position_m.cwiseAbs().maxCoeff() > kMaxDistance_m) position_m.setConstant(kFilled);
     rows.push_back({time_s, joint->second, position_m});
   }
   far.end();

@@ -15,11 +15,11 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kLongestLine = 16u << 20;
+constexpr std::size_t kMaxLineLength = 16u << 20;
 
 constexpr std::int64_t kMicrohertz = 1'000'000;
 constexpr std::int64_t kHighestRate_uhz = 9000 * kMicrohertz;
-constexpr std::int64_t kMostFrames = 2'000'000'000;
+constexpr std::int64_t kMaxFrames = 2'000'000'000;
 
 }  // namespace
 
@@ -46,12 +46,12 @@ void LineReader::refill() {
     end_ -= begin_;
     begin_ = 0;
   }
-  if (end_ > kLongestLine) {
+  if (end_ > kMaxLineLength) {
     ++line_;
     throw InputError(place(), "is a line longer than 16 MiB; this is not a text file of rows");
   }
   if (buffer_.size() - end_ < block_bytes_)
-    buffer_.resize(std::max(end_ + block_bytes_, std::min(2 * end_, kLongestLine)));
+    buffer_.resize(std::max(end_ + block_bytes_, std::min(2 * end_, kMaxLineLength)));
   ssize_t count = 0;
   do {
     count = ::read(file_, buffer_.data() + end_, block_bytes_);
@@ -89,7 +89,7 @@ bool is_frame_rate(double rate_hz) { return rate_hz >= 1.0 && rate_hz <= 9000.0;
 
 Duration duration_of_frames(std::int64_t frames, std::int64_t rate_uhz) {
   TRILAT_CHECK(rate_uhz >= kMicrohertz && rate_uhz <= kHighestRate_uhz, "the rate is in range");
-  TRILAT_CHECK(frames >= 0 && frames <= kMostFrames, "the frame count is in range");
+  TRILAT_CHECK(frames >= 0 && frames <= kMaxFrames, "the frame count is in range");
   // 2e9 s, and a remainder below 9e9, times 1e9 still fit.
   const std::int64_t ticks = frames * kMicrohertz;
   const std::int64_t rest = ticks % rate_uhz;

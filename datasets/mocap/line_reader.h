@@ -51,7 +51,7 @@ class LineReader {
 
 // Beyond 100 m no position of a room-sized tracking system makes sense: most often the header states another
 // unit than the numbers have.
-inline constexpr double kFarthest_m = 100.0;
+inline constexpr double kMaxDistance_m = 100.0;
 inline constexpr const char* kTooFar =
     "is more than 100 m; have the numbers another unit than the header says?";
 // The numbers of a file that are too far. One value again and again stands for what is missing, such as 1e6;

@@ -189,9 +189,9 @@ MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t
   result.header = reader.header();
   result.position_m.resize(result.header.assets.size());
   if (until.ns == std::numeric_limits<std::int64_t>::max()) {
-    constexpr std::int64_t kMost = 10'000'000;  // whatever the header says
+    constexpr std::int64_t kMaxCount = 10'000'000;  // whatever the header says
     const auto frames = static_cast<std::size_t>(
-        std::clamp<std::int64_t>(result.header.total_exported_frames.value_or(0), 0, kMost));
+        std::clamp<std::int64_t>(result.header.total_exported_frames.value_or(0), 0, kMaxCount));
     for (const std::size_t asset : assets) result.position_m[asset].reserve(frames);
   }
   MocapFrame frame;

@@ -17,7 +17,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-constexpr std::size_t kMostHeaderRows = 64;
+constexpr std::size_t kMaxHeaderRows = 64;
 constexpr std::array<std::string_view, 12> kKeys{
     "Format Version",        "Take Name",          "Take Notes",          "Capture Frame Rate",
     "Export Frame Rate",     "Capture Start Time", "Capture Start Frame", "Total Frames in Take",
@@ -51,7 +51,7 @@ bool is_open(std::string_view text) {
 // The line with those that its quoted cells go on in.
 std::string whole_record(LineReader& lines, std::string_view line) {
   std::string record(line);
-  for (std::size_t more = 0; more < kMostHeaderRows && is_open(record) && lines.next(line); ++more)
+  for (std::size_t more = 0; more < kMaxHeaderRows && is_open(record) && lines.next(line); ++more)
     record.append("\n").append(line);
   return record;
 }
@@ -172,7 +172,7 @@ ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line) 
       result.layout = read_motive_columns(rows, cells, lines.place(), result.header);
       return result;
     }
-    if (count >= kMostHeaderRows) break;
+    if (count >= kMaxHeaderRows) break;
     if (is_blank(cells)) {
       keys_ended = true;
     } else if (std::ranges::any_of(cells, is_key)) {

@@ -17,7 +17,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-constexpr std::int64_t kMostMarkers = 100'000;
+constexpr std::int64_t kMaxMarkers = 100'000;
 constexpr std::size_t kFirst = 2;  // column of the first marker: frame and time stand before it
 
 // Without the empty cells behind the last one.
@@ -119,7 +119,7 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   if (!is_zero) result.header.export_rate_hz = header.rate_hz("DataRate");
   result.header.total_exported_frames = header.stated_count("NumFrames", kHighestFrame);
   result.header.length_unit = header.length_unit("Units");
-  const auto stated = static_cast<std::size_t>(header.stated_count("NumMarkers", kMostMarkers));
+  const auto stated = static_cast<std::size_t>(header.stated_count("NumMarkers", kMaxMarkers));
   const Cells labels = next_cells(lines, "the row of names");
   Cells names = names_of(labels, lines.place());
   names.resize(std::max(names.size(), stated));  // the last ones may have no name

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kItemFile = "item.json";
 constexpr const char* kAside = ".aside.";
-constexpr std::size_t kMostItemBytes = std::size_t{1} << 30;
+constexpr std::size_t kMaxItemBytes = std::size_t{1} << 30;
 
 // There may be very many items. What a power failure tears does not parse or has another size.
 void write_unsynced(const fs::path& path, const std::string& text) {
@@ -61,7 +61,7 @@ void StoredItem::check(const JsonObject& object) const {
 std::optional<StoredItem> ItemStore::find(const std::string& key) const {
   const fs::path path = folder(key) / kItemFile;
   if (!fs::exists(folder(key))) return std::nullopt;
-  const Json json = parse_json(read_file(path, kMostItemBytes), path.string());
+  const Json json = parse_json(read_file(path, kMaxItemBytes), path.string());
   JsonObject object(json, path.string(), "");
   check_format(object, "trilat.item", 2);
   std::optional<StoredItem> item(std::in_place);

@@ -19,11 +19,11 @@ namespace {
 constexpr const char* kTakeFormat = "trilat.take";
 constexpr double kBinGrowth = 1.005;
 constexpr std::int64_t kTakeVersion = 4;
-constexpr std::int64_t kMostNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
-constexpr std::size_t kMaxEstimates = 1u << 14;          // of an instant: blocks of instants are read whole
-constexpr std::size_t kMaxSensors = 64;                  // each a track, where sensors are left out in turn
-constexpr std::uint64_t kTogether = 256;                 // instants whose samples are compressed together
-constexpr std::uint64_t kRowsTogether = 16384;           // rows of a table
+constexpr std::int64_t kMaxNs = std::int64_t{1} << 61;  // so that differences of two times cannot overflow
+constexpr std::size_t kMaxEstimates = 1u << 14;         // of an instant: blocks of instants are read whole
+constexpr std::size_t kMaxSensors = 64;                 // each a track, where sensors are left out in turn
+constexpr std::uint64_t kTogether = 256;                // instants whose samples are compressed together
+constexpr std::uint64_t kRowsTogether = 16384;          // rows of a table
 
 struct SampleTables {
   H5Table time_ns, heading_rad, truth_m, ranges, occluded, estimate_m, status, iterations, cost_m2, gdop;
@@ -67,7 +67,7 @@ std::string position_attribute(std::size_t axis) { return fmt::format("sensor_{}
 
 void check_block(const SampleBlock& block, const SampleTables& t, std::size_t statuses) {
   const auto [first, last] = std::minmax_element(block.time_ns.begin(), block.time_ns.end());
-  if (first != block.time_ns.end() && (*first < -kMostNs || *last > kMostNs))
+  if (first != block.time_ns.end() && (*first < -kMaxNs || *last > kMaxNs))
     throw InputError(t.time_ns.place(), "holds a time beyond 73 years, which no clock shows");
   const auto status = std::ranges::max_element(block.status);
   if (status != block.status.end() && *status >= statuses)

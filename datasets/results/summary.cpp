@@ -9,7 +9,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostLeading = 8;
+constexpr std::size_t kMaxLeading = 8;
 constexpr std::array kLeading{"linear", "geometric", "nonlinear", "mean", "range_bearing"};
 
 bool has(const std::vector<std::string>& list, const std::string& name) {
@@ -127,10 +127,10 @@ std::vector<std::string> by_error(const ResultsSummary& s, const std::string& co
 std::vector<std::string> leading_methods(const ResultsSummary& s, const std::string& condition) {
   std::vector<std::string> leading, sorted = by_error(s, condition, s.methods);
   const auto add = [&](const std::string& name) {
-    if (has(s.methods, name) && !has(leading, name) && leading.size() < kMostLeading) leading.push_back(name);
+    if (has(s.methods, name) && !has(leading, name) && leading.size() < kMaxLeading) leading.push_back(name);
   };
   for (const MethodNote& note : s.legend)
-    if (note.is_brought && has(s.methods, note.method)) leading.push_back(note.method);
+    if (note.is_external && has(s.methods, note.method)) leading.push_back(note.method);
   for (const char* name : kLeading) add(name);
   const auto is_single = [](const std::string& name) {
     return name == "single" || name.starts_with("single ");
@@ -138,7 +138,7 @@ std::vector<std::string> leading_methods(const ResultsSummary& s, const std::str
   if (const auto single = std::ranges::find_if(sorted, is_single); single != sorted.end()) add(*single);
   add(s.reference);
   if (const BestMethod* best = find_best(s, condition, average_group(s))) add(best->method);
-  if (leading.size() < 4 || s.methods.size() <= kMostLeading)
+  if (leading.size() < 4 || s.methods.size() <= kMaxLeading)
     for (const std::string& name : sorted) add(name);
   return by_error(s, condition, std::move(leading));
 }

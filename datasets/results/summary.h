@@ -81,18 +81,18 @@ struct BestMethod {
   std::string condition, group, method;
   // The others that are not told apart from it by differs_significantly(), on the samples that both answer.
   // None where there is no interval.
-  std::vector<std::string> like_best;
+  std::vector<std::string> not_distinguished;
 
-  TRILAT_FIELDS(condition, group, method, like_best)
+  TRILAT_FIELDS(condition, group, method, not_distinguished)
 };
 
 // One line on a method, for readers who do not know it.
 struct MethodNote {
   std::string method, what;
-  bool is_brought = false;           // its joints came from a file of the takes
+  bool is_external = false;          // its joints came from a file of the takes
   std::vector<std::string> alike{};  // methods that share its row where results are shown; not stored
 
-  TRILAT_FIELDS(method, what, is_brought)
+  TRILAT_FIELDS(method, what, is_external)
 };
 
 struct ResultsSummary {
@@ -165,7 +165,7 @@ std::vector<std::string> groups_in(const ResultsSummary& summary, const std::str
 std::vector<std::string> by_error(const ResultsSummary& summary, const std::string& condition,
                                   std::vector<std::string> methods);
 // The methods that a study shows first, the smallest error first: all where there are at most eight, else the
-// brought ones, the paper's three, the best single sensor, mean, range_bearing, the reference and the best.
+// external ones, the paper's three, the best single sensor, mean, range_bearing, the reference and the best.
 std::vector<std::string> leading_methods(const ResultsSummary& summary, const std::string& condition);
 
 // What one method's mean error did from one set of results to another, in one condition and joint group. The

@@ -24,7 +24,16 @@ namespace trilat {
 // or a text. CSV gets the number unrounded.
 struct TableValue {
   // How it stands in its row or column, where a table says so: among methods, or as a verdict.
-  enum class Mark : std::uint8_t { none, best, like_best, good, bad, contradiction, unsure, untested };
+  enum class Mark : std::uint8_t {
+    none,
+    best,
+    not_distinguished,
+    good,
+    bad,
+    contradiction,
+    unsure,
+    untested
+  };
   std::optional<double> number;
   int decimals = 1;
   std::string text;

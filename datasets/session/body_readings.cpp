@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kJump_m = 1.0;
 constexpr double kRunning_m_s = 5.0;
-constexpr std::size_t kFewestJoints = 3;  // that both frames see
-constexpr std::size_t kMostEarlier = 16;  // bodies of one tracking id that are remembered
+constexpr std::size_t kMinJoints = 3;    // that both frames see
+constexpr std::size_t kMaxEarlier = 16;  // bodies of one tracking id that are remembered
 
 double distance_m(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   const double x = double{a[0]} - double{b[0]}, y = double{a[1]} - double{b[1]},
@@ -28,7 +28,7 @@ std::optional<double> moved_m(const Body& from, const Body& to) {
   for (std::size_t j = 0; j < kJointCount; ++j)
     if (reading_of(from, j) == JointReading::seen && reading_of(to, j) == JointReading::seen)
       moved.push_back(distance_m(from.position_m[j], to.position_m[j]));
-  if (moved.size() < kFewestJoints) return std::nullopt;
+  if (moved.size() < kMinJoints) return std::nullopt;
   const auto middle = moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2);
   std::ranges::nth_element(moved, middle);
   return *middle;
@@ -37,7 +37,7 @@ std::optional<double> moved_m(const Body& from, const Body& to) {
 bool shows_enough(const Body& body) {
   std::size_t seen = 0;
   for (std::size_t j = 0; j < kJointCount; ++j) seen += reading_of(body, j) == JointReading::seen ? 1 : 0;
-  return seen >= kFewestJoints;
+  return seen >= kMinJoints;
 }
 
 }  // namespace
@@ -47,8 +47,8 @@ JointReading reading_of(const Body& body, std::size_t joint) {
   if (state != 1 && state != 2) return JointReading::not_tracked;
   const double range_m = distance_m(body.position_m[joint], {});
   if (!std::isfinite(range_m)) return JointReading::not_finite;
-  return range_m >= kNearestJoint_m && range_m <= kFarthestJoint_m ? JointReading::seen
-                                                                   : JointReading::out_of_reach;
+  return range_m >= kMinJointDistance_m && range_m <= kMaxJointDistance_m ? JointReading::seen
+                                                                          : JointReading::out_of_reach;
 }
 
 std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
@@ -62,7 +62,7 @@ std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
   return fmt::format(
       "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as not seen; are "
       "positions in metres?",
-      all, kNearestJoint_m, kFarthestJoint_m, fmt::join(joints, ", "));
+      all, kMinJointDistance_m, kMaxJointDistance_m, fmt::join(joints, ", "));
 }
 
 void StaleBodies::Run::end() {
@@ -110,7 +110,7 @@ std::vector<std::uint64_t> BodyIdentities::of(std::span<const Body> bodies, doub
     }
     if (!nearest) {
       const bool is_first = tracks.empty();
-      if (tracks.size() >= kMostEarlier) tracks.erase(tracks.begin());
+      if (tracks.size() >= kMaxEarlier) tracks.erase(tracks.begin());
       nearest = &tracks.emplace_back(Track{is_first ? body.tracking_id : fresh_++, body, time_s});
     }
     const auto [latest, is_new] = latest_.emplace(body.tracking_id, nearest->identity);

@@ -17,7 +17,7 @@ namespace trilat {
 // 8 m: a tracked or inferred joint nearer than 0.4 m or farther than 10 m of its sensor is no measurement.
 // Drivers and converters write such positions, most often (0, 0, 0), for joints that were not seen.
 enum class JointReading : std::uint8_t { not_tracked, seen, not_finite, out_of_reach };
-inline constexpr double kNearestJoint_m = 0.4, kFarthestJoint_m = 10.0;
+inline constexpr double kMinJointDistance_m = 0.4, kMaxJointDistance_m = 10.0;
 JointReading reading_of(const Body& body, std::size_t joint);
 
 // Joints out of reach, by joint.

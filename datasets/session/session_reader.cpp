@@ -16,7 +16,7 @@ namespace {
 
 namespace layout = session_layout;
 
-constexpr std::int64_t kMostHeaderNs = std::int64_t{1} << 61;  // so that sums of two times cannot overflow
+constexpr std::int64_t kMaxHeaderNs = std::int64_t{1} << 61;  // so that sums of two times cannot overflow
 
 DepthIntrinsics read_intrinsics(const H5Node& node) {
   DepthIntrinsics in;
@@ -156,9 +156,9 @@ std::vector<FrameStamp> SessionReader::stamps(std::size_t sensor, FrameStream st
   const auto ticks = columns.device_ticks.read(first, count);
   const auto arrival = columns.arrival_ns.read(first, count);
   std::vector<FrameStamp> result(count);
-  const std::int64_t most_ticks = kMostHeaderNs / state_->header.sensors[sensor].tick_ns;
+  const std::int64_t most_ticks = kMaxHeaderNs / state_->header.sensors[sensor].tick_ns;
   for (std::size_t i = 0; i < count; ++i) {
-    if (std::abs(ticks[i] / 2) > most_ticks / 2 || std::abs(arrival[i] / 2) > kMostHeaderNs / 2)
+    if (std::abs(ticks[i] / 2) > most_ticks / 2 || std::abs(arrival[i] / 2) > kMaxHeaderNs / 2)
       throw InputError(
           columns.device_ticks.place(),
           "row " + std::to_string(first + i) + " holds a time beyond 73 years, which no clock shows");
@@ -249,7 +249,7 @@ std::vector<ClockExchange> SessionReader::clock_exchanges(std::size_t sensor, st
   for (std::size_t i = 0; i < result.size(); ++i) {
     result[i] = {values[4 * i], values[4 * i + 1], values[4 * i + 2], values[4 * i + 3]};
     for (std::size_t k = 0; k < 4; ++k)
-      if (std::abs(values[4 * i + k] / 2) > kMostHeaderNs / 4)
+      if (std::abs(values[4 * i + k] / 2) > kMaxHeaderNs / 4)
         throw InputError(t.lists.clock_exchanges.place(),
                          "row " + std::to_string(first + i) + " holds an impossible time");
   }

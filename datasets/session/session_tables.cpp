@@ -22,9 +22,9 @@ void open_columns(Tables& tables, const H5Node& node) {
 
 // What readers hold in memory at once is bounded by these: 6 days of frames at 30 Hz, 12 of exchanges at 4
 // Hz.
-constexpr std::uint64_t kMostFrames = std::uint64_t{1} << 24;
-constexpr std::uint64_t kMostExchanges = std::uint64_t{1} << 22;
-constexpr std::uint64_t kMostDropCounts = std::uint64_t{1} << 20;
+constexpr std::uint64_t kMaxFrames = std::uint64_t{1} << 24;
+constexpr std::uint64_t kMaxExchanges = std::uint64_t{1} << 22;
+constexpr std::uint64_t kMaxDropCounts = std::uint64_t{1} << 20;
 
 void check_rows(const H5Table& table, std::uint64_t most) {
   if (table.rows() > most)
@@ -33,10 +33,10 @@ void check_rows(const H5Table& table, std::uint64_t most) {
 }
 
 void check_rows(const SensorTables& t) {
-  check_rows(t.frames.body_count.table, kMostFrames);
-  if (t.depth_frames) check_rows(*t.depth_frames, kMostFrames);
-  check_rows(t.lists.clock_exchanges.table, kMostExchanges);
-  check_rows(t.lists.drop_counts.table, kMostDropCounts);
+  check_rows(t.frames.body_count.table, kMaxFrames);
+  if (t.depth_frames) check_rows(*t.depth_frames, kMaxFrames);
+  check_rows(t.lists.clock_exchanges.table, kMaxExchanges);
+  check_rows(t.lists.drop_counts.table, kMaxDropCounts);
 }
 
 // The rows that all tables have, and how many some have beyond.

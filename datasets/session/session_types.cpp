@@ -6,8 +6,8 @@
 namespace trilat {
 namespace {
 
-constexpr std::int64_t kMostStamp_ns = std::int64_t{1} << 59;
-constexpr std::int64_t kMostExchange_ns = std::int64_t{1} << 58;
+constexpr std::int64_t kMaxStamp_ns = std::int64_t{1} << 59;
+constexpr std::int64_t kMaxExchange_ns = std::int64_t{1} << 58;
 
 bool within(std::int64_t value, std::int64_t most) { return value >= -most && value <= most; }
 
@@ -28,12 +28,12 @@ std::string problem_with(const SensorDescription& sensor) {
 }
 
 bool is_plausible(const FrameStamp& stamp, std::int64_t tick_ns) {
-  return within(stamp.device_ticks, kMostStamp_ns / tick_ns) && within(stamp.arrival_ns, kMostStamp_ns);
+  return within(stamp.device_ticks, kMaxStamp_ns / tick_ns) && within(stamp.arrival_ns, kMaxStamp_ns);
 }
 
 bool is_plausible(const ClockExchange& e) {
-  return within(e.t1_ns, kMostExchange_ns) && within(e.t2_ns, kMostExchange_ns) &&
-         within(e.t3_ns, kMostExchange_ns) && within(e.t4_ns, kMostExchange_ns);
+  return within(e.t1_ns, kMaxExchange_ns) && within(e.t2_ns, kMaxExchange_ns) &&
+         within(e.t3_ns, kMaxExchange_ns) && within(e.t4_ns, kMaxExchange_ns);
 }
 
 }  // namespace trilat

@@ -208,8 +208,8 @@ void verify_depth(const SessionReader& session, std::size_t sensor, const Place&
 // What the recorder itself has said.
 void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, const Place& place) {
   const auto drops = session.drop_counts(sensor);
-  constexpr std::int64_t kMaxFrames = std::int64_t{1} << 40;  // 1,000 years at 30 Hz
-  const auto is_count = [](std::int64_t n) { return n >= 0 && n <= kMaxFrames; };
+  constexpr std::int64_t kMaxLost = std::int64_t{1} << 40;  // 1,000 years at 30 Hz
+  const auto is_count = [](std::int64_t n) { return n >= 0 && n <= kMaxLost; };
   if (!drops.empty() && (!is_count(drops.back().at_source) || !is_count(drops.back().in_queue)))
     place.say(Severity::error, "/drop_counts",
               fmt::format("{} frames lost at the source and {} for want of room are no counts of frames",
@@ -223,12 +223,12 @@ void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, 
   if (const std::uint64_t more = session.counts(sensor).notices_left_out; more > 0)
     place.say(Severity::warning, "/notices",
               fmt::format("{} notices beyond the first {} are left out", more, kMaxSessionNotices));
-  constexpr std::size_t kMost = 20;
+  constexpr std::size_t kMaxCount = 20;
   const auto notices = session.notices(sensor);
-  for (std::size_t i = 0; i < std::min(kMost, notices.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMaxCount, notices.size()); ++i)
     place.say(Severity::note, "/notices", "the recorder said: " + notices[i].text);
-  if (notices.size() > kMost)
-    place.say(Severity::note, "/notices", fmt::format("and {} notices more", notices.size() - kMost));
+  if (notices.size() > kMaxCount)
+    place.say(Severity::note, "/notices", fmt::format("and {} notices more", notices.size() - kMaxCount));
 }
 
 void verify_clock(const SessionReader& session, std::size_t sensor, const Place& place) {
@@ -295,14 +295,14 @@ std::string_view name_of(Severity severity) {
 }
 
 std::optional<std::string> odd_ticks_text(const SessionReader& session, std::size_t sensor) {
-  constexpr std::uint64_t kMaxFrames = 1024;
+  constexpr std::uint64_t kMaxLooked = 1024;
   constexpr double kMinRate_hz = 1.0, kMaxRate_hz = 300.0;
   const SensorCounts& counts = session.counts(sensor);
   const FrameStream stream = counts.body_frames > 0 ? FrameStream::bodies : FrameStream::depth;
   const std::uint64_t frames = counts.body_frames > 0 ? counts.body_frames : counts.depth_frames;
   if (frames < 3) return std::nullopt;
   std::vector<std::int64_t> steps;
-  const std::vector<FrameStamp> stamps = session.stamps(sensor, stream, 0, std::min(frames, kMaxFrames));
+  const std::vector<FrameStamp> stamps = session.stamps(sensor, stream, 0, std::min(frames, kMaxLooked));
   for (std::size_t i = 1; i < stamps.size(); ++i)
     if (stamps[i].device_ticks > stamps[i - 1].device_ticks)
       steps.push_back(stamps[i].device_ticks - stamps[i - 1].device_ticks);

@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr double kLongestGap_s = 0.105;
+constexpr double kMaxGap_s = 0.105;
 
 struct MappedJoint {
   Joint joint;
@@ -50,7 +50,7 @@ Eigen::Vector3d point_at(const JointTrack& track, double t) {
   if (later == track.time_s.end()) return none;
   const auto b = static_cast<std::size_t>(later - track.time_s.begin());
   if (track.time_s[b] == t) return track.point_m[b];
-  if (b == 0 || track.time_s[b] - track.time_s[b - 1] > kLongestGap_s) return none;
+  if (b == 0 || track.time_s[b] - track.time_s[b - 1] > kMaxGap_s) return none;
   const double share = (t - track.time_s[b - 1]) / (track.time_s[b] - track.time_s[b - 1]);
   return track.point_m[b - 1] + share * (track.point_m[b] - track.point_m[b - 1]);
 }

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarthest_m = 0.9, kLowest_m = 0.4, kHighest_m = 1.7;
+constexpr double kMaxDistance_m = 0.9, kLowest_m = 0.4, kHighest_m = 1.7;
 constexpr double kPersonToBall_m = 1.2;
 constexpr std::size_t kDefining = 3;  // positions that define a frame
 
@@ -41,7 +41,7 @@ std::vector<Vector3d> positions_of(std::uint64_t count, std::uint64_t seed, cons
     } else if (i == 2) {
       positions.push_back(positions[0] + Vector3d(0.0, 0.6, 0.0));
     } else {
-      positions.push_back(centre_m + kFarthest_m * std::sqrt(share) * horizontal(bearing_rad));
+      positions.push_back(centre_m + kMaxDistance_m * std::sqrt(share) * horizontal(bearing_rad));
       positions.back().y() = kLowest_m + (kHighest_m - kLowest_m) * height_share;
     }
   }

@@ -23,8 +23,8 @@
 namespace trilat {
 namespace {
 
-constexpr double kShortest_m = 5e-5;  // from the lowest level to the highest; a unit may be wrong by 1000
-constexpr double kLeastCosine = 0.8;
+constexpr double kMinLength_m = 5e-5;  // from the lowest level to the highest; a unit may be wrong by 1000
+constexpr double kMinCosine = 0.8;
 
 // What lies at one height of a person who stands, from the top. The arms may be anywhere.
 using enum Joint;
@@ -60,9 +60,9 @@ std::optional<UpAxis> StandingAxis::axis() const {
   const auto lowest = std::find_if(levels_.rbegin(), levels_.rend(), is_known);
   if (highest == levels_.end()) return std::nullopt;
   const Eigen::Vector3d up_m = highest->sum_m / highest->count - lowest->sum_m / lowest->count;
-  if (!(up_m.norm() > kShortest_m)) return std::nullopt;
-  if (up_m.y() > kLeastCosine * up_m.norm()) return UpAxis::y;
-  if (up_m.z() > kLeastCosine * up_m.norm()) return UpAxis::z;
+  if (!(up_m.norm() > kMinLength_m)) return std::nullopt;
+  if (up_m.y() > kMinCosine * up_m.norm()) return UpAxis::y;
+  if (up_m.z() > kMinCosine * up_m.norm()) return UpAxis::z;
   return std::nullopt;
 }
 
@@ -71,8 +71,8 @@ namespace {
 constexpr const char* kCampaignFormat = "trilat.campaign";
 constexpr const char* kMappingFormat = "trilat.mapping";
 
-BroughtJoints read_joints(JsonObject& entry, const std::filesystem::path& folder) {
-  BroughtJoints joints;
+ExternalJoints read_joints(JsonObject& entry, const std::filesystem::path& folder) {
+  ExternalJoints joints;
   joints.method = entry.text("method");
   joints.file = path_of(entry, "file", folder);
   if (entry.has("mapping")) {
@@ -93,11 +93,11 @@ BroughtJoints read_joints(JsonObject& entry, const std::filesystem::path& folder
   return joints;
 }
 
-void read_brought(JsonObject& entry, const std::filesystem::path& folder, Take& take) {
+void read_external(JsonObject& entry, const std::filesystem::path& folder, Take& take) {
   if (!entry.has("joints")) return;
   for (JsonObject& one : entry.objects("joints")) {
     take.joints.push_back(read_joints(one, folder));
-    const auto same = [&](const BroughtJoints& other) { return other.method == take.joints.back().method; };
+    const auto same = [&](const ExternalJoints& other) { return other.method == take.joints.back().method; };
     if (std::ranges::count_if(take.joints, same) > 1)
       one.refuse("method", "is \"" + take.joints.back().method + "\", which other joints of this take have");
   }
@@ -111,7 +111,7 @@ Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
     entry.refuse("id", "must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
   take.participant = entry.text("participant");
   take.activity = entry.text("activity", "");
-  read_brought(entry, folder, take);
+  read_external(entry, folder, take);
   const bool has_session = take.joints.empty() || entry.has("session");
   if (has_session) {
     take.session = path_of(entry, "session", folder);
@@ -311,7 +311,7 @@ void write_campaign(const std::filesystem::path& folder, const Campaign& campaig
     if (!take.mocap.empty() && !take.session.empty()) json["mocap_start_host_ns"] = take.mocap_start_host_ns;
     if (!take.mocap.empty() && take.up_axis)
       json["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(*take.up_axis));
-    for (const BroughtJoints& joints : take.joints) {
+    for (const ExternalJoints& joints : take.joints) {
       json["joints"].push_back({{"method", joints.method}, {"file", inside(joints.file)}});
       for (const NamedPoint& point : joints.mapping)
         json["joints"].back()["mapping"][point.name] = point.assets;

@@ -78,7 +78,7 @@ void write_mapping(const std::filesystem::path& path, const JointMapping& mappin
 // Joints that another method or system gave of a take: a TRC, an OptiTrack CSV, or a CSV with the columns of
 // `trilat fuse`. `method` names their rows in the tables. Times are seconds since the recording's start, or,
 // without a session, of the mocap's clock; by motion where they have a clock of their own.
-struct BroughtJoints {
+struct ExternalJoints {
   std::string method;
   std::filesystem::path file;
   std::vector<NamedPoint> mapping = {};  // empty: by the names in the file
@@ -99,7 +99,7 @@ struct Take {
   // Mocap time of an instant = host time - this: the host clock's reading at the mocap's first frame, in ns.
   std::int64_t mocap_start_host_ns = 0;
   std::optional<UpAxis> up_axis = {};  // of the mocap's world; not stated: y
-  std::vector<BroughtJoints> joints{};
+  std::vector<ExternalJoints> joints{};
 };
 
 inline constexpr double kWandBallRadius_m = 0.075;

@@ -44,7 +44,7 @@ constexpr std::size_t kTrunkPairs = 2;
 constexpr double kAlikeScale_m2 = 0.1 * 0.1, kAlikeMost = 1.5;
 constexpr double kBeforeScale_m2 = 0.05 * 0.05, kBeforeMost = 10.0;
 constexpr double kInferredWeight = 0.15;
-constexpr double kLongestMemory_s = 0.5;
+constexpr double kMaxMemory_s = 0.5;
 
 // How far toes, knees and hands lie before the part they belong to, and elbows behind it: typical length and
 // error, in which the movement of the hands is included.
@@ -183,7 +183,7 @@ class ExchangeEvidenceSource {
 
   double log_odds_unchanged(std::size_t sensor, const Sides& now) {
     LastSides& last = last_[sensor];
-    const std::size_t longest = instants_in(kLongestMemory_s, options_);
+    const std::size_t longest = instants_in(kMaxMemory_s, options_);
     double sum = 0.0;
     for (std::size_t p = 0; p < kPairs; ++p) {
       if (now.weight[p] == 0.0) continue;

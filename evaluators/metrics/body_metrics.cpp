@@ -22,8 +22,8 @@ bool spans_plane(const Eigen::Matrix3d& scatter_m2) {
   // singular values
   const double sum = scatter_m2.trace();
   const double pairs = 0.5 * (sum * sum - scatter_m2.squaredNorm());
-  constexpr double kLeast = 1e-12;
-  return sum > 0.0 && pairs > kLeast * sum * sum;
+  constexpr double kMinValue = 1e-12;
+  return sum > 0.0 && pairs > kMinValue * sum * sum;
 }
 
 bool spans_plane(std::span<const Eigen::Vector3d> points_m) {

@@ -13,8 +13,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kNearest_cm = 50.0;  // eq. 1
-constexpr double kFarthest_cm = 650.0;
+constexpr double kMinDistance_cm = 50.0;  // eq. 1
+constexpr double kMaxDistance_cm = 650.0;
 constexpr double kLeftOut = -1.0;
 
 // D of eq. 1, in centimetres as the paper has it: eq. 5 adds pixels to them.
@@ -22,14 +22,14 @@ std::vector<double> standardised_cm(const DepthImageView& image, Variant invalid
   std::vector<double> depth_cm(image.depth_mm.size());
   std::transform(image.depth_mm.begin(), image.depth_mm.end(), depth_cm.begin(), [&](std::uint16_t depth_mm) {
     if (depth_mm == 0 && invalid_pixels == Variant::corrected) return kLeftOut;
-    return std::clamp(0.1 * depth_mm, kNearest_cm, kFarthest_cm);
+    return std::clamp(0.1 * depth_mm, kMinDistance_cm, kMaxDistance_cm);
   });
   return depth_cm;
 }
 
 // The labelled pixels (T) are those with a depth of at most `threshold_cm`.
 struct PixelSet {
-  double threshold_cm = kFarthest_cm;
+  double threshold_cm = kMaxDistance_cm;
   int pixels = 0;
   double sum_cm = 0.0;
   double min_cm = INFINITY;
@@ -127,7 +127,7 @@ WandSighting find_wand_as_printed(const DepthImageView& image, const DepthRays& 
                "the image has the size of the camera's rays");
   const std::vector<double> depth_cm = standardised_cm(image, options.invalid_pixels);
   const PixelSet whole{.right = image.width_px - 1, .bottom = image.height_px - 1};
-  const PixelSet everything = label(depth_cm, image.width_px, kFarthest_cm, whole);
+  const PixelSet everything = label(depth_cm, image.width_px, kMaxDistance_cm, whole);
   WandSighting sighting{.status = WandStatus::no_wand};
   if (everything.pixels == 0) return sighting;
   PixelSet labelled = everything;

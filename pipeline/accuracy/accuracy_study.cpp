@@ -100,7 +100,7 @@ ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
   for (const Method& method : plan.methods) {
     const MethodSpec& spec = method.spec;
     summary.methods.push_back(spec.name);
-    summary.legend.push_back({spec.name, std::string(spec.kind->what), spec.kind == &brought_kind()});
+    summary.legend.push_back({spec.name, std::string(spec.kind->what), spec.kind == &external_kind()});
     if (spec.family.empty()) continue;
     if (summary.families.empty() || summary.families.back().name != spec.family)
       summary.families.push_back({spec.family, spec.sensors.size(), {}});

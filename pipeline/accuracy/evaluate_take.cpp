@@ -11,7 +11,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/stored_take.h"
-#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/accuracy/take/hidden_views.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_data.h"
@@ -33,8 +33,8 @@ std::vector<std::string> tracks_of(const Plan& plan, const PlannedTake& planned)
 }
 
 // Reads what the take brings and holds it against the truth, by instant and name.
-std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
-                                       std::vector<TakeNote>& notes) {
+std::vector<MethodPaths> paths_external(const Plan& plan, const PlannedTake& planned,
+                                        const PreparedTake& data, std::vector<TakeNote>& notes) {
   std::vector<MethodPaths> paths;
   if (planned.take.joints.empty()) return paths;
   std::vector<double> since_s;
@@ -42,9 +42,10 @@ std::vector<MethodPaths> paths_brought(const Plan& plan, const PlannedTake& plan
   std::vector<PointPath> truth(plan.names.size(), {since_s, {}});
   for (std::size_t k = 0; k < data.truth_m.size(); ++k)
     truth[k % plan.names.size()].position_m.push_back(data.truth_m[k]);
-  for (BroughtTrack& brought : read_brought(plan, planned)) {
-    if (planned.truth == TakeTruth::mocap) append(notes, check_brought(plan, planned, truth.data(), brought));
-    paths.push_back(paths_of(plan, brought, since_s));
+  for (ExternalTrack& external : read_external(plan, planned)) {
+    if (planned.truth == TakeTruth::mocap)
+      append(notes, check_external(plan, planned, truth.data(), external));
+    paths.push_back(paths_of(plan, external, since_s));
   }
   return paths;
 }
@@ -100,7 +101,7 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
 struct SeenTake {
   PreparedTake all;       // by all sensors; without sensors the instants and their truth alone
   FollowedTake followed;  // of a take whose sensors are left out in turn
-  std::vector<MethodPaths> brought;
+  std::vector<MethodPaths> external;
 };
 
 SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& watch, TakeResult& result) {
@@ -114,7 +115,7 @@ SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& 
   result.tracking = tracking_of(plan, planned, seen.all);
   result.notes = seen.all.notes;
   if (leaves_out) append(result.notes, notes_on_silent(plan, planned, seen.all));
-  seen.brought = paths_brought(plan, planned, seen.all, result.notes);
+  seen.external = paths_external(plan, planned, seen.all, result.notes);
   return seen;
 }
 
@@ -140,7 +141,7 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& re
   if (planned.truth_has_z_up)
     note(mocap,
          "has its z axis up, as stated: x, y, z of the tables are the x, z, -y of all files of the take");
-  seen.brought = paths_brought(plan, planned, data, result.notes);
+  seen.external = paths_external(plan, planned, data, result.notes);
   return seen;
 }
 
@@ -159,7 +160,7 @@ TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings
     const Watch part{watch.stop_requested,
                      share_of(watch.progress, share * static_cast<double>(track), share)};
     const std::vector<TakeCheck> checks =
-        solve_take(plan, planned, prepared, seen.brought, cross_check, part,
+        solve_take(plan, planned, prepared, seen.external, cross_check, part,
                    [&](const SampleBlock& block) { file.write(track, block); });
     for (std::size_t m = 0; m < checks.size(); ++m) result.checks[m].merge(checks[m]);
   };

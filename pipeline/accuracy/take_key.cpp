@@ -27,10 +27,10 @@ Json json_of(const Take& take, std::span<const TakeInput> inputs) {
             {"mocap_start_host_ns", mocap_start_host_ns},
             {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis.value_or(UpAxis::y)))}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
-  for (const BroughtJoints& one : joints) {
+  for (const ExternalJoints& one : joints) {
     Json points = Json::object();
     for (const NamedPoint& point : one.mapping) points[point.name] = point.assets;
-    json["brought"].push_back({one.method, points, one.clock_by_motion});
+    json["external"].push_back({one.method, points, one.clock_by_motion});
   }
   return json;
 }
@@ -42,7 +42,7 @@ std::vector<TakeFile> files_of(const Take& take) {
                               {"calibration", take.calibration},
                               {"mocap", take.mocap},
                               {"mapping", take.mapping}};
-  for (const BroughtJoints& joints : take.joints)
+  for (const ExternalJoints& joints : take.joints)
     files.push_back({"joints of " + joints.method, joints.file});
   std::erase_if(files, [](const TakeFile& file) { return file.path.empty(); });
   return files;
@@ -68,13 +68,13 @@ std::string key_of_take(const Plan& plan, std::size_t take, std::span<const Take
                         bool cross_check) {
   Json study = resolved_json(at_stage(plan.study, plan.takes[take].stage));
   for (const char* key : kOfTheSummary) study.erase(key);
-  Json brought = Json::array();
-  for (std::size_t m = first_brought(plan); m < plan.methods.size(); ++m)
-    brought.push_back(plan.methods[m].spec.name);
+  Json external = Json::array();
+  for (std::size_t m = first_external(plan); m < plan.methods.size(); ++m)
+    external.push_back(plan.methods[m].spec.name);
   return key_of({{"study", study},
                  {"rig", plan.rig},
                  {"joints", plan.names},
-                 {"brought", brought},
+                 {"external", external},
                  {"cross_check", cross_check},
                  {"judges_places", judges_places(plan.study)},
                  {"take", json_of(plan.takes[take].take, inputs)}});

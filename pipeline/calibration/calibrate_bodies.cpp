@@ -31,7 +31,7 @@ using Covariance = Eigen::Matrix<double, 6, 6>;
 constexpr std::array kMidline{Joint::spine_base, Joint::spine_mid, Joint::spine_shoulder, Joint::neck,
                               Joint::head};
 
-constexpr std::size_t kFewestJoints = 5;
+constexpr std::size_t kMinJoints = 5;
 
 struct Span {
   HostTime first, last;
@@ -221,7 +221,7 @@ std::vector<Covariance> covariances_of(const RigProblem& problem, const BodyRefi
   const auto is_known = [](const std::optional<Eigen::VectorXd>& difference) {
     return difference.has_value();
   };
-  if (joints.size() < kFewestJoints || !std::ranges::all_of(differences, is_known))
+  if (joints.size() < kMinJoints || !std::ranges::all_of(differences, is_known))
     throw InputError(
         place,
         fmt::format(

@@ -13,7 +13,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kFewestPositions = 3;
+constexpr std::size_t kMinPositions = 3;
 
 RigProblem problem_of(const WandObservations& views, const CalibrateWandOptions& options) {
   RigProblem problem{views.evidence.size(), views.positions.size(), {}};
@@ -153,16 +153,16 @@ std::vector<RejectedSighting> rejected_of(const RigProblem& problem, const RigRe
 // One sensor that disagrees at many places has other intrinsics than stated or was moved: its pose would be
 // wrong without looking so.
 void check_agreement(const RigRefinement& refined, const WandObservations& views, const std::string& place) {
-  constexpr double kMost = 1.0 / 3.0;
-  constexpr double kMostDepth = 100.0;  // chi squared of 25 exceeds it once in 10^10
+  constexpr double kMaxShare = 1.0 / 3.0;
+  constexpr double kMaxDepth = 100.0;  // chi squared of 25 exceeds it once in 10^10
   for (std::size_t s = 0; s < refined.sensors.size(); ++s) {
-    if (refined.sensors[s].depth_chi2 > kMostDepth)
+    if (refined.sensors[s].depth_chi2 > kMaxDepth)
       throw InputError(
           place, fmt::format("sensor \"{}\" agrees with the others only if its depth is off by more than a "
                              "sensor's is; are the intrinsics its own, and was the rig left alone?",
                              views.evidence[s].name));
     const std::size_t all = refined.sensors[s].used + refined.sensors[s].rejected;
-    if (static_cast<double>(refined.sensors[s].rejected) > kMost * static_cast<double>(all))
+    if (static_cast<double>(refined.sensors[s].rejected) > kMaxShare * static_cast<double>(all))
       throw InputError(place,
                        fmt::format("sensor \"{}\" disagrees with the others at {} of the {} places where it "
                                    "sees the ball; are the intrinsics its own, and was the rig left alone?",
@@ -184,12 +184,12 @@ void check_stated_movement(const WandObservations& views, const CalibrateWandOpt
 }  // namespace
 
 void check_first_places(const WandObservations& views, const std::string& place) {
-  constexpr double kLeast_m = 0.3;
+  constexpr double kMin_m = 0.3;
   const std::optional<double> seen_m = seen_movement_m(views);
-  if (seen_m && *seen_m < kLeast_m)
+  if (seen_m && *seen_m < kMin_m)
     throw InputError(place, fmt::format("has its first two wand places only {:.2f} m apart; they make the x "
                                         "axis and should be a metre apart, {} m at least",
-                                        *seen_m, kLeast_m));
+                                        *seen_m, kMin_m));
 }
 
 WandCalibration calibrate_views(WandObservations views, const std::string& place,
@@ -199,7 +199,7 @@ WandCalibration calibrate_views(WandObservations views, const std::string& place
   const RigProblem problem = problem_of(views, options);
   const RigStart start = initial_poses(problem, {});
   check_placement(start, views, saw_before, place);
-  if (views.positions.size() < kFewestPositions)
+  if (views.positions.size() < kMinPositions)
     throw InputError(place,
                      fmt::format("shows the wand at rest at {} places; three are the least, fifty are good",
                                  views.positions.size()));

@@ -11,7 +11,7 @@
 #include "datasets/base/median.h"
 #include "datasets/base/text_output.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/print_stored.h"

@@ -29,14 +29,14 @@ struct DrawArguments {
 };
 
 constexpr int kScale = 2;  // pixels of the picture for one of the sensor
-constexpr double kNearest_m = 0.5, kFarthest_m = 4.5;
+constexpr double kMinDistance_m = 0.5, kMaxDistance_m = 4.5;
 const cv::Scalar kWhite(255, 255, 255), kBall(255, 0, 255), kWand(255, 160, 255);
 
 // The depths from 0.5 m to 4.5 m as colours; black where nothing was seen.
 cv::Mat in_colours(const cv::Mat& depth_mm) {
-  constexpr double kSlope = 255.0 / (1e3 * (kFarthest_m - kNearest_m));
+  constexpr double kSlope = 255.0 / (1e3 * (kMaxDistance_m - kMinDistance_m));
   cv::Mat grey, picture;
-  depth_mm.convertTo(grey, CV_8UC1, -kSlope, 255.0 + 1e3 * kNearest_m * kSlope);
+  depth_mm.convertTo(grey, CV_8UC1, -kSlope, 255.0 + 1e3 * kMinDistance_m * kSlope);
   cv::applyColorMap(grey, picture, cv::COLORMAP_TURBO);
   picture.setTo(cv::Scalar(0, 0, 0), depth_mm == 0);
   return picture;
@@ -75,7 +75,7 @@ void tint_wand(cv::Mat& picture, const DepthImageView& image, const DepthRays& r
 
 // The bodies that a sensor gave nearest to a time, at most 50 ms off; none without.
 BodyFrame bodies_at(const SessionReader& session, std::size_t sensor, HostTime time) {
-  constexpr std::int64_t kMost_ns = 50'000'000;
+  constexpr std::int64_t kMax_ns = 50'000'000;
   const std::uint64_t count = session.counts(sensor).body_frames;
   if (count == 0) return {};
   const SensorClockMap host_from_sensor = fit_sensor_clock(session, sensor);
@@ -87,7 +87,7 @@ BodyFrame bodies_at(const SessionReader& session, std::size_t sensor, HostTime t
       least_ns = off_ns;
       nearest = i;
     }
-  return least_ns <= kMost_ns ? session.body_frames(sensor, nearest, 1).front() : BodyFrame{};
+  return least_ns <= kMax_ns ? session.body_frames(sensor, nearest, 1).front() : BodyFrame{};
 }
 
 // The person whom all sensors see, as this one would see it.

@@ -16,7 +16,7 @@
 #include "datasets/mocap/joint_csv.h"
 #include "datasets/mocap/mocap_reader.h"
 #include "datasets/session/session_reader.h"
-#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/accuracy/proposals.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/terminal/progress.h"
@@ -47,11 +47,11 @@ struct FoundTake {
 
 // A name as an id of a take: letters and digits of ASCII, '-' and '.'; '_' for any other character.
 std::string plain_id(const std::string& name) {
-  constexpr std::size_t kLongest = 90;  // of 100, with room for a number behind it
+  constexpr std::size_t kMaxLength = 90;  // of 100, with room for a number behind it
   std::string id;
   for (const char c : name) {
     const bool goes_on = (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;  // of a character of UTF-8
-    if (goes_on || id.size() == kLongest) continue;
+    if (goes_on || id.size() == kMaxLength) continue;
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.';
     id += plain && !(id.empty() && c == '.') ? c : '_';
   }
@@ -129,8 +129,8 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
 
 // Joints that other methods gave of the only recording of a folder, with the joints of their names: any other
 // TRC, export or CSV of joints beside its motion capture.
-std::vector<BroughtJoints> joints_beside(const Take& take, const std::vector<fs::path>& sessions) {
-  std::vector<BroughtJoints> joints;
+std::vector<ExternalJoints> joints_beside(const Take& take, const std::vector<fs::path>& sessions) {
+  std::vector<ExternalJoints> joints;
   const fs::path folder = take.session.parent_path();
   if (take.mocap.empty() || std::ranges::count(sessions, folder, &fs::path::parent_path) != 1) return joints;
   std::vector<fs::path> files;
@@ -221,7 +221,7 @@ Found look_around(const InitArguments& arguments, const Campaign& known) {
     take.joints = joints_beside(take, sessions);
     if (!take.joints.empty()) {
       std::string names;
-      for (const BroughtJoints& joints : take.joints) names += (names.empty() ? "" : ", ") + joints.method;
+      for (const ExternalJoints& joints : take.joints) names += (names.empty() ? "" : ", ") + joints.method;
       found.notes.push_back(
           fmt::format("{}: beside it lie joints of {}, which are compared, too: seconds since the "
                       "recording's start, in the calibration's world",

@@ -95,10 +95,10 @@ void LiveDisplay::show(const CaptureStatus& status, const std::string& picture) 
 }
 
 void LiveDisplay::say(const std::string& text) {
-  constexpr std::size_t kMostBelow = 4;
+  constexpr std::size_t kMaxBelow = 4;
   const std::lock_guard lock(mutex_);
   below_picture_.push_back(text);
-  if (below_picture_.size() > kMostBelow) below_picture_.pop_front();
+  if (below_picture_.size() > kMaxBelow) below_picture_.pop_front();
   std::fputs(((terminal_ ? "\r\033[K" : "") + text + "\n").c_str(), stderr);
 }
 

@@ -12,8 +12,8 @@ namespace trilat {
 namespace {
 
 std::string some_of(const std::vector<std::string>& ids) {
-  constexpr std::size_t kMostNamed = 8;
-  const std::size_t named = std::min(ids.size(), kMostNamed);
+  constexpr std::size_t kMaxNamed = 8;
+  const std::size_t named = std::min(ids.size(), kMaxNamed);
   std::string text =
       fmt::format("{}", fmt::join(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(named), ", "));
   if (ids.size() > named) text += fmt::format(" and {} more", ids.size() - named);

@@ -160,7 +160,7 @@ ConditionErrors::ConditionErrors(std::span<const TakeTable> takes, const std::st
     if (take.activity == activity) takes_.push_back(&take);
   std::set<std::string> participants;
   for (const TakeTable* take : takes_) participants.insert(take->participant);
-  const bool by_participant = participants.size() >= kFewestParticipants;
+  const bool by_participant = participants.size() >= kMinParticipants;
   const bool by_block = !by_participant && takes_.size() == 1;
   if (!by_participant) cluster_kind_ = by_block ? "blocks of time" : "takes";
   const std::vector<std::size_t> clusters = cluster_of(takes, by_participant);

@@ -32,7 +32,7 @@ struct TakeTable {
 bool leaves_training_out(const std::string& alignment);
 
 // With fewer participants than this takes are the clusters of intervals.
-inline constexpr std::size_t kFewestParticipants = 3;
+inline constexpr std::size_t kMinParticipants = 3;
 
 // The tables group, as of the paper, that a joint belongs to; its own name when it belongs to none.
 std::string group_of(const std::string& joint);

@@ -347,7 +347,7 @@ class StudyNumbers {
       for (const std::size_t m : std::span(methods).subspan(1)) {
         const Estimate e = errors.difference(groups, m, methods.front(), 0).m;
         if (e.clusters >= 2 && !differs_significantly(e, methods.size() - 1))
-          best.like_best.push_back(summary_.methods[m]);
+          best.not_distinguished.push_back(summary_.methods[m]);
       }
       summary_.best.push_back(std::move(best));
     }

@@ -55,9 +55,9 @@ struct Window {
 // The windows of a take, as often as it takes.
 class Windows {
   static constexpr std::uint64_t kInMemoryBytes = 64'000'000;
-  static constexpr std::uint64_t kRead = 512;    // instants that are read together
-  static constexpr std::uint64_t kFewest = 16;   // instants that are looked at together
-  static constexpr std::size_t kNear = 1 << 16;  // bytes of estimates that stay in the cache
+  static constexpr std::uint64_t kRead = 512;     // instants that are read together
+  static constexpr std::uint64_t kMinCount = 16;  // instants that are looked at together
+  static constexpr std::size_t kNear = 1 << 16;   // bytes of estimates that stay in the cache
 
  public:
   // `of_block`: instants of a block; `margin`: instants that a window holds on either side of its own.
@@ -68,7 +68,7 @@ class Windows {
       whole_ = take.read(track, 0, head.instants, SampleColumns::errors);
     const std::size_t bytes =
         std::max<std::size_t>(1, head.joints.size() * head.methods.size()) * 3 * sizeof(float);
-    together_ = whole_ ? std::max<std::uint64_t>(kFewest, kNear / bytes) : kRead;
+    together_ = whole_ ? std::max<std::uint64_t>(kMinCount, kNear / bytes) : kRead;
   }
   // Calls visit(window) in the order of time, and end_block(number) behind each block of time.
   template <class Visit, class EndBlock>

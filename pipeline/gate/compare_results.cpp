@@ -20,7 +20,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::uint64_t kFewestLost = 15;  // samples of a take: the loss of fewer says nothing
+constexpr std::uint64_t kMinLost = 15;  // samples of a take: the loss of fewer says nothing
 
 // Whether a length grew or fell by more than the limits.
 bool is_change(double now_m, double before_m, const GateLimits& limits) {
@@ -142,7 +142,7 @@ const std::pair<const std::string, BothSums>* worst_take(const std::map<std::str
       takes, [&](const auto& a, const auto& b) { return share(a.second) < share(b.second); });
   if (worst == takes.end()) return nullptr;
   const BothSums& sums = worst->second;
-  const bool enough = sums.answered_before >= sums.answered_now + kFewestLost;
+  const bool enough = sums.answered_before >= sums.answered_now + kMinLost;
   return enough && 100.0 * share(sums) >= limits.take_loss_percent ? &*worst : nullptr;
 }
 
@@ -324,11 +324,11 @@ class Comparison {
   void compare_others(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
                       StudyVerdict& verdict, const auto& add_note) {
     const std::size_t participants = std::min(participants_of(before).size(), participants_of(now).size());
-    if (participants < kFewestJudged) {
+    if (participants < kMinJudged) {
       verdict.state = StudyState::not_judged;
       verdict.participants = participants;
-      add_note(fmt::format("the fewest that can be judged with other recordings are {} participants",
-                           kFewestJudged));
+      add_note(
+          fmt::format("the fewest that can be judged with other recordings are {} participants", kMinJudged));
       return;
     }
     const double found_percent = compare_people(study, before, now, limits_, report_);

@@ -22,7 +22,7 @@ GateReport compare_results(const std::filesystem::path& results, const std::file
                            const GateLimits& limits = {});
 
 // With fewer participants than this other recordings are not judged.
-inline constexpr std::size_t kFewestJudged = 8;
+inline constexpr std::size_t kMinJudged = 8;
 
 // Compares the errors of two accuracy results by take; `same`: the ids of the takes whose recordings are the
 // same. Adds findings to the report. `common`: of rows that one side answers otherwise, errors on the samples

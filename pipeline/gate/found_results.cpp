@@ -44,17 +44,17 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
 
 // "/seed is 2 here and 1 there", one of each difference.
 std::vector<std::string> differences_of(const Json& now, const Json& before) {
-  constexpr std::size_t kMostTold = 5;
+  constexpr std::size_t kMaxTold = 5;
   const Json steps = Json::diff(before, now);
   std::vector<std::string> texts;
-  for (std::size_t i = 0; i < std::min(steps.size(), kMostTold); ++i) {
+  for (std::size_t i = 0; i < std::min(steps.size(), kMaxTold); ++i) {
     const Json::json_pointer place(steps[i].at("path").get<std::string>());
     const auto value = [&](const Json& document) {
       return document.contains(place) ? shortened(document.at(place)) : "nothing";
     };
     texts.push_back(fmt::format("{} is {} here and {} there", place.to_string(), value(now), value(before)));
   }
-  if (steps.size() > kMostTold) texts.push_back(fmt::format("and {} more", steps.size() - kMostTold));
+  if (steps.size() > kMaxTold) texts.push_back(fmt::format("and {} more", steps.size() - kMaxTold));
   return texts;
 }
 
@@ -98,11 +98,11 @@ std::map<std::string, std::map<std::string, std::string>> recordings_of(const Js
 }  // namespace
 
 std::string shortened(const Json& value) {
-  constexpr std::size_t kMost = 80;
+  constexpr std::size_t kMaxCount = 80;
   if (value.is_null()) return "nothing";
   if (!value.is_structured()) return json_text(value, -1);
   const std::string ascii = value.dump(-1, ' ', true);
-  return ascii.size() <= kMost ? ascii : ascii.substr(0, kMost) + "…";
+  return ascii.size() <= kMaxCount ? ascii : ascii.substr(0, kMaxCount) + "…";
 }
 
 ResultsSet find_results(const fs::path& given) {

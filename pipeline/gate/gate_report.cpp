@@ -17,8 +17,8 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostPlaces = 4;    // of one method or study that are printed in full
-constexpr std::size_t kMostMethods = 12;  // entries of a list
+constexpr std::size_t kMaxPlaces = 4;    // of one method or study that are printed in full
+constexpr std::size_t kMaxMethods = 12;  // entries of a list
 
 std::string value_text(const GateFinding& f, double value) {
   if (std::isnan(value)) return "nothing";
@@ -85,17 +85,17 @@ std::vector<std::vector<const GateFinding*>> together(const std::vector<GateFind
 
 void add_list(const GateReport& report, bool alarms, std::string& text) {
   const auto lists = together(report.findings, alarms);
-  for (std::size_t l = 0; l < std::min(lists.size(), kMostMethods); ++l) {
+  for (std::size_t l = 0; l < std::min(lists.size(), kMaxMethods); ++l) {
     const GateFinding& first = *lists[l].front();
     text += fmt::format("\n{}\n", heading_of(first));
-    for (std::size_t i = 0; i < std::min(lists[l].size(), kMostPlaces); ++i)
+    for (std::size_t i = 0; i < std::min(lists[l].size(), kMaxPlaces); ++i)
       text += fmt::format("  {}\n", line_of(*lists[l][i]));
-    if (lists[l].size() > kMostPlaces)
-      text += fmt::format("  and {} places more: --json\n", lists[l].size() - kMostPlaces);
+    if (lists[l].size() > kMaxPlaces)
+      text += fmt::format("  and {} places more: --json\n", lists[l].size() - kMaxPlaces);
     if (!first.since.empty()) text += fmt::format("  since {}\n", first.since);
   }
-  if (lists.size() > kMostMethods)
-    text += fmt::format("\nand {} more; --json lists all\n", lists.size() - kMostMethods);
+  if (lists.size() > kMaxMethods)
+    text += fmt::format("\nand {} more; --json lists all\n", lists.size() - kMaxMethods);
 }
 
 std::string studies_text(const GateReport& report) {

@@ -31,9 +31,9 @@ Shard parse_shard(const std::string& text, const std::string& place) {
     shard.number = count_in(text.data(), text.data() + slash);
     shard.of = count_in(text.data() + slash + 1, text.data() + text.size());
   }
-  if (shard.number == 0 || shard.number > shard.of || shard.of > kMostShards)
+  if (shard.number == 0 || shard.number > shard.of || shard.of > kMaxShards)
     throw InputError(place, "is \"" + text + "\"; it must be k/n, shard k of n, 1/n to n/n, n at most " +
-                                std::to_string(kMostShards));
+                                std::to_string(kMaxShards));
   return shard;
 }
 

@@ -14,7 +14,7 @@
 
 namespace trilat {
 
-inline constexpr std::uint64_t kMostShards = 100'000;
+inline constexpr std::uint64_t kMaxShards = 100'000;
 
 // The share of a study's items that this process computes.
 struct Shard {

@@ -25,7 +25,7 @@ bool is_plain_name(const std::string& name) {
 
 constexpr std::size_t kMinSensors = 3;
 constexpr double kSamePlace_m = 1e-3;
-constexpr double kFarthest_m = 1e4;
+constexpr double kMaxDistance_m = 1e4;
 
 std::array<double, 3> on_circle(std::size_t i, std::size_t count, double radius_m, double height_m) {
   const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
@@ -74,8 +74,8 @@ void check_sensors(const JsonObject& object, const std::string& key,
                                    RangeTrialModel::kMaxSensors, sensors_m.size()));
   for (const auto& sensor_m : sensors_m)
     for (const double coordinate_m : sensor_m)
-      if (!(std::abs(coordinate_m) <= kFarthest_m))
-        object.refuse(key, fmt::format("must stay within {} m of the origin", kFarthest_m));
+      if (!(std::abs(coordinate_m) <= kMaxDistance_m))
+        object.refuse(key, fmt::format("must stay within {} m of the origin", kMaxDistance_m));
   const RangeProblem problem = problem_at(sensors_m);
   for (int i = 0; i < problem.count; ++i)
     for (int j = 0; j < i; ++j)

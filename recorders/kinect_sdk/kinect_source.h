@@ -26,8 +26,8 @@ class TickSequence {
   std::int64_t number_of(std::size_t stream, std::int64_t ticks) {
     const std::int64_t periods = last_ticks_ ? rounded_periods(ticks - *last_ticks_) : 0;
     // a step far back, or further ahead than an hour, is a sensor that began anew
-    constexpr std::int64_t kMostPeriodsBack = 30, kMostPeriodsAhead = 108'000;
-    const bool restarted = periods < -kMostPeriodsBack || periods > kMostPeriodsAhead;
+    constexpr std::int64_t kMaxPeriodsBack = 30, kMaxPeriodsAhead = 108'000;
+    const bool restarted = periods < -kMaxPeriodsBack || periods > kMaxPeriodsAhead;
     const std::int64_t number = std::max(restarted ? newest_ + 1 : newest_ + periods, last_[stream] + 1);
     last_[stream] = number;
     if (restarted || !last_ticks_ || periods > 0) last_ticks_ = ticks;

@@ -49,9 +49,9 @@ std::string rule_text(const JudgedClaim& claim) {
 }
 
 std::string p_text(const JudgedClaim& claim) {
-  constexpr double kLeast = 1e-4;
+  constexpr double kMinValue = 1e-4;
   if (std::isnan(claim.p)) return "–";
-  return claim.p < kLeast ? "< 0.0001" : fmt::format("{:.4f}", claim.p);
+  return claim.p < kMinValue ? "< 0.0001" : fmt::format("{:.4f}", claim.p);
 }
 
 std::string both(const std::string& a, const std::string& b) {

@@ -22,7 +22,7 @@ namespace trilat {
 namespace {
 
 constexpr const char* kAllDrawn = "all figures are drawn";
-constexpr std::size_t kMostPicture = 32u << 20;  // bytes
+constexpr std::size_t kMaxPicture = 32u << 20;  // bytes
 
 // A file in memory, which gnuplot inherits: it does not tell when a disk is full or cannot be read.
 class MemoryFile {
@@ -40,7 +40,7 @@ class MemoryFile {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
   std::string name() const { return fmt::format("/proc/self/fd/{}", descriptor_); }
-  std::string text() const { return read_file(name(), kMostPicture); }
+  std::string text() const { return read_file(name(), kMaxPicture); }
 
  private:
   [[noreturn]] static void fail(const char* doing) {

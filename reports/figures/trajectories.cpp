@@ -16,7 +16,7 @@ namespace trilat {
 namespace {
 
 constexpr double kShown_s = 10.0;
-constexpr std::size_t kMostMethods = 4;
+constexpr std::size_t kMaxMethods = 4;
 // The paper draws a wrist when walking, an elbow when swinging arms and an ankle when crossing legs.
 const char* drawn_joint(const std::string& condition) {
   return condition == "arm_swing"      ? "elbow_right"
@@ -71,7 +71,7 @@ Path read_path(const StoredTake& samples, std::size_t joint) {
 std::vector<std::size_t> shown_methods(const TakeHead& header) {
   std::vector<std::size_t> shown;
   const auto show = [&](std::size_t m) {
-    if (shown.size() < kMostMethods && std::ranges::find(shown, m) == shown.end()) shown.push_back(m);
+    if (shown.size() < kMaxMethods && std::ranges::find(shown, m) == shown.end()) shown.push_back(m);
   };
   for (const char* name : kMethods)
     for (std::size_t m = 0; m < header.methods.size(); ++m)

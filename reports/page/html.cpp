@@ -45,7 +45,7 @@ std::string cell_html(const TableValue& value) {
   const std::string text = printed(value), interval = printed_interval(value);
   std::string html = value.is_verdict() ? verdict_badge(text, value.mark) : html_text(text);
   if (value.mark == TableValue::Mark::best) html = "<strong>" + html + "</strong>";
-  if (value.mark == TableValue::Mark::like_best)
+  if (value.mark == TableValue::Mark::not_distinguished)
     html += " <span title=\"cannot be distinguished from the best\">≈</span>";
   if (!interval.empty()) html += " <small>" + interval + "</small>";
   if (!value.beside.empty()) html += " <small>" + html_text(value.beside) + "</small>";

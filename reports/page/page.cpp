@@ -18,7 +18,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostBytes = 1'950'000;  // of a page; replays that do not fit are left out
+constexpr std::size_t kMaxBytes = 1'950'000;  // of a page; replays that do not fit are left out
 
 // JSON in a script element: no "<" may end it.
 std::string script_json(const std::string& json) {
@@ -149,7 +149,7 @@ std::string page_of(const ReportContent& content, const PageOptions& options) {
   const std::string lead = lead_html(content);
   std::size_t bytes = std::strlen(embedded::page_html) + lead.size() + options.three_js.size() / 3;
   for (const PageSection& section : sections) bytes += section.html.size();
-  sections.push_back(replay_section(content, options.three_js, kMostBytes - std::min(kMostBytes, bytes)));
+  sections.push_back(replay_section(content, options.three_js, kMaxBytes - std::min(kMaxBytes, bytes)));
   sections.push_back(provenance_section(content));
   sections.push_back({"article", "For an article", citation_html(options.citation)});
   std::erase_if(sections, [](const PageSection& section) { return section.html.empty(); });

@@ -17,15 +17,15 @@
 namespace trilat {
 namespace {
 
-constexpr double kMostRate_hz = 15.0;
+constexpr double kMaxRate_hz = 15.0;
 constexpr std::int64_t kShown_ns = 35'000'000'000;
-constexpr std::uint64_t kMostInstants = 35 * 1000;  // a study takes at most 1000 instants a second
+constexpr std::uint64_t kMaxInstants = 35 * 1000;  // a study takes at most 1000 instants a second
 
 std::int16_t millimetres(double metres) {
   constexpr std::int16_t kNone = -32768;
-  constexpr double kFarthest_mm = 32'767.0;
+  constexpr double kMaxDistance_mm = 32'767.0;
   const double mm = std::round(metres * 1e3);
-  return std::isfinite(mm) && std::abs(mm) <= kFarthest_mm ? static_cast<std::int16_t>(mm) : kNone;
+  return std::isfinite(mm) && std::abs(mm) <= kMaxDistance_mm ? static_cast<std::int16_t>(mm) : kNone;
 }
 
 // Packs every `step`th of the first `instants` instants.
@@ -80,14 +80,14 @@ Json skeleton_json() {
 
 PackedReplay pack(const StoredTake& take, const ResultsSummary& summary) {
   const TakeHead& head = take.head();
-  const SampleBlock block = take.read(0, 0, std::min(head.instants, kMostInstants), SampleColumns::errors);
+  const SampleBlock block = take.read(0, 0, std::min(head.instants, kMaxInstants), SampleColumns::errors);
   const auto since_start_ns = [&](std::int64_t time_ns) { return time_ns - block.time_ns.front(); };
   const auto end = std::ranges::upper_bound(block.time_ns, kShown_ns, {}, since_start_ns);
   const auto instants = static_cast<std::uint64_t>(end - block.time_ns.begin());
   const double span_s = static_cast<double>(since_start_ns(block.time_ns[instants - 1])) * 1e-9;
   const double rate_hz = span_s > 0.0 ? static_cast<double>(instants - 1) / span_s : 0.0;
   Packer packer(instants, std::max<std::uint64_t>(
-                              1, static_cast<std::uint64_t>(std::ceil(rate_hz / kMostRate_hz - 0.01))));
+                              1, static_cast<std::uint64_t>(std::ceil(rate_hz / kMaxRate_hz - 0.01))));
   const std::size_t joints = head.joints.size(), methods = head.methods.size();
   for (std::size_t c = 0; c < joints * 3; ++c)
     packer.add([&](std::uint64_t i) { return block.truth_m[i * joints * 3 + c]; });

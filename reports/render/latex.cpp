@@ -128,8 +128,8 @@ LatexCell number_cell(const TableValue& value, bool has_interval) {
   std::string text = latex_text(number);
   std::size_t width = width_of(number);
   if (value.mark == TableValue::Mark::best) text = "\\textbf{" + text + "}";
-  if (value.mark == TableValue::Mark::like_best) text += "\\ensuremath{{}^{\\approx}}";
-  width += value.mark == TableValue::Mark::like_best ? 1 : 0;
+  if (value.mark == TableValue::Mark::not_distinguished) text += "\\ensuremath{{}^{\\approx}}";
+  width += value.mark == TableValue::Mark::not_distinguished ? 1 : 0;
   if (!has_interval || !value.number || !std::isfinite(value.low) || !std::isfinite(value.high))
     return {text, width};
   const double half = 0.5 * (value.high - value.low), off = 0.5 * (value.high + value.low) - *value.number;

@@ -68,8 +68,8 @@ std::string markdown_cell(const std::string& text) {
 std::string printed(double number, int decimals) {
   if (!std::isfinite(number)) return "–";
   if (decimals < 0) return fmt::format("{:g}", number);
-  constexpr int kMostDecimals = 17;  // a file may say any number
-  const std::string text = fmt::format("{:.{}f}", number, std::min(decimals, kMostDecimals));
+  constexpr int kMaxDecimals = 17;  // a file may say any number
+  const std::string text = fmt::format("{:.{}f}", number, std::min(decimals, kMaxDecimals));
   // what rounds to nothing has no sign
   return text[0] == '-' && text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
 }
@@ -99,7 +99,7 @@ namespace {
 std::string markdown_of(const TableValue& value) {
   std::string text = markdown_cell(printed(value));
   if (value.mark == TableValue::Mark::best) text = "**" + text + "**";
-  if (value.mark == TableValue::Mark::like_best) text += " ≈";
+  if (value.mark == TableValue::Mark::not_distinguished) text += " ≈";
   if (const std::string interval = printed_interval(value); !interval.empty()) text += " (" + interval + ")";
   return value.beside.empty() ? text : text + "; " + markdown_cell(value.beside);
 }
@@ -137,7 +137,7 @@ constexpr std::size_t kEnds = 2;  // the last columns sum a table up, and stay o
 std::string terminal_cell(const TableValue& value) {
   std::string text = printed(value);
   if (value.mark == TableValue::Mark::best) text += " *";
-  if (value.mark == TableValue::Mark::like_best) text += " ≈";
+  if (value.mark == TableValue::Mark::not_distinguished) text += " ≈";
   if (const std::string interval = printed_interval(value); !interval.empty()) text += " (" + interval + ")";
   return one_line(value.beside.empty() ? text : text + "; " + value.beside);
 }

@@ -38,13 +38,13 @@ Table changes_table(const ErrorChanges& changes) {
 }
 
 std::vector<std::string> changes_sentences(const ErrorChanges& changes) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMaxCount = 3;
   const Table table = changes_table(changes);
   const auto real = std::ranges::count_if(changes.rows, &ErrorChange::is_real);
   std::vector<std::string> sentences{fmt::format(
       "From `{}` to `{}` the mean error of **{} of {}** methods and conditions changed beyond its interval.",
       changes.before, changes.after, real, changes.rows.size())};
-  for (std::size_t r = 0; r < std::min<std::size_t>(kMost, static_cast<std::size_t>(real)); ++r) {
+  for (std::size_t r = 0; r < std::min<std::size_t>(kMaxCount, static_cast<std::size_t>(real)); ++r) {
     const auto& row = table.rows[r];
     sentences.push_back(fmt::format("`{}`, {}: {:+.2f} cm ({:+.2f} to {:+.2f}), from {:.2f} to {:.2f}.",
                                     row[1].text, row[0].text, *row[4].number, row[4].low, row[4].high,

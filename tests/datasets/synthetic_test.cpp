@@ -43,7 +43,7 @@ struct ErrorMoments {
 };
 
 TEST(GeneratedPerson, EveryJointMovesSmoothly) {
-  constexpr double kStep_s = 1e-3, kFastest_m_s = 6.0, kMostAcceleration_m_s2 = 60.0;
+  constexpr double kStep_s = 1e-3, kMaxSpeed_m_s = 6.0, kMaxAcceleration_m_s2 = 60.0;
   for (const Activity activity : kActivities) {
     const Motion motion = generated_motion(draw_person(3, 1, 1.70, 0.17), activity);
     for (double t = 0.0; t < 40.0; t += 0.017) {
@@ -52,10 +52,10 @@ TEST(GeneratedPerson, EveryJointMovesSmoothly) {
       for (std::size_t j = 0; j < kJointCount; ++j) {
         const Vector3d& p = at.joint_in_world_m[j];
         ASSERT_TRUE(p.allFinite());
-        ASSERT_LT((after.joint_in_world_m[j] - p).norm() / kStep_s, kFastest_m_s);
+        ASSERT_LT((after.joint_in_world_m[j] - p).norm() / kStep_s, kMaxSpeed_m_s);
         ASSERT_LT(
             (after.joint_in_world_m[j] - 2.0 * p + before.joint_in_world_m[j]).norm() / (kStep_s * kStep_s),
-            kMostAcceleration_m_s2)
+            kMaxAcceleration_m_s2)
             << activity_names()[static_cast<std::size_t>(activity)] << " joint " << j << " at " << t << " s";
       }
     }

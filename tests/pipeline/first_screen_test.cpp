@@ -37,7 +37,7 @@ ResultsSummary chosen(std::uint64_t participants, const std::vector<std::pair<st
     s.numbers.add({key.with({.measure = "answered", .statistic = "share"}), 1.0, kNoNumber, kNoNumber, 1000});
     s.numbers.add({key.with({.measure = "distance", .statistic = "mean"}), 0.01 * error_cm,
                    0.01 * (error_cm - 0.2), 0.01 * (error_cm + 0.2), 1000});
-    if (name != best->first && error_cm < best->second + 0.5) s.best[0].like_best.push_back(name);
+    if (name != best->first && error_cm < best->second + 0.5) s.best[0].not_distinguished.push_back(name);
     if (name == s.reference) continue;
     const double difference_cm = error_cm - methods.front().second;
     for (const auto& [statistic, unit] :
@@ -102,7 +102,7 @@ TEST(FirstScreen, MethodsThatAnswerAlikeShareARow) {
   EXPECT_THAT(s.methods, ElementsAre("mean", "nonlinear", "rts"));
   EXPECT_EQ(row_name(s, "mean"), "mean = median");
   EXPECT_EQ(s.best[0].method, "rts");
-  EXPECT_THAT(s.best[0].like_best, IsEmpty());
+  EXPECT_THAT(s.best[0].not_distinguished, IsEmpty());
   EXPECT_EQ(accuracy_figures(s).front().y_names.front(), "rts = kalman");
   EXPECT_EQ(article_tables(s).front().rows.front().front().text, "rts = kalman");
   EXPECT_THAT(method_legend(s), Contains("`mean = median`: what mean does"));

@@ -238,9 +238,9 @@ TEST(Statistics, MethodsOfASingleTakeAreMarked) {
   std::size_t told_apart = 0;
   for (const BestMethod& best : summary.best) {
     if (best.method == "single k2") continue;
-    EXPECT_THAT(best.like_best, testing::Contains(best.method == "mean" ? "same" : "mean"))
+    EXPECT_THAT(best.not_distinguished, testing::Contains(best.method == "mean" ? "same" : "mean"))
         << best.group << " " << best.method;
-    told_apart += best.like_best.size() == 1 ? 1 : 0;
+    told_apart += best.not_distinguished.size() == 1 ? 1 : 0;
   }
   EXPECT_GT(told_apart, 0u);
 }
@@ -255,11 +255,11 @@ TEST(Statistics, NoMarkContradictsADifference) {
   ASSERT_FALSE(summary.best.empty());
   for (const BestMethod& best : summary.best) {
     ASSERT_THAT(best.method, testing::AnyOf("mean", "same"));
-    EXPECT_THAT(best.like_best, testing::Contains(best.method == "mean" ? "same" : "mean"));
+    EXPECT_THAT(best.not_distinguished, testing::Contains(best.method == "mean" ? "same" : "mean"));
     const Number* linear = find_difference(summary, "linear", best.condition, best.group, "mean");
     ASSERT_TRUE(linear);
     if (linear->low > 0.01) {
-      EXPECT_THAT(best.like_best, testing::Not(testing::Contains("linear"))) << best.group;
+      EXPECT_THAT(best.not_distinguished, testing::Not(testing::Contains("linear"))) << best.group;
     }
   }
 }

@@ -52,7 +52,7 @@ void render_depth(const DepthLayout& layout, const DepthView& view, const ViewBo
                   std::uint16_t* depth_mm);
 
 // No normal that the vector code draws is larger.
-inline constexpr double kLargestNormal = 5.8;
+inline constexpr double kMaxNormal = 5.8;
 // Which index of a frame's stream is drawn for what: a pixel's number, row by row, gives its three normals;
 // with this added, what becomes of it at an edge.
 inline constexpr std::uint32_t kEdgeIndex = 0x80000000;

@@ -148,8 +148,7 @@ void DepthRenderer::render(const DepthScene& scene, const RigidTransform& world_
   const float least_m = cast_depth(s.layout, view, boxes_of(view, s.finder, 0.0), s.ray_x.data(),
                                    s.ray_y.data(), exact_m.data());
   fill_border(s.layout, exact_m);
-  const double margin =
-      kLargestNormal * s.lateral_sigma_m / std::max(s.nearest_m, static_cast<double>(least_m));
+  const double margin = kMaxNormal * s.lateral_sigma_m / std::max(s.nearest_m, static_cast<double>(least_m));
   render_depth(s.layout, view, boxes_of(view, s.finder, margin), s.noise, frame_key, s.ray_x.data(),
                s.ray_y.data(), s.noise_factor.data(), exact_m.data(), depth_mm.data());
 }

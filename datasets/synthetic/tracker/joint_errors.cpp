@@ -21,8 +21,8 @@ double of_group(const BodyTrackerSpec::Groups& groups, std::size_t joint) {
   return groups[static_cast<std::size_t>(tracker_group_of(static_cast<Joint>(joint)))];
 }
 
-constexpr std::uint64_t kMostSensors = 64;
-constexpr double kNearest_m = 1e-6;
+constexpr std::uint64_t kMaxSensors = 64;
+constexpr double kMinDistance_m = 1e-6;
 
 double decay(double step, double length) { return length > 0.0 ? std::exp(-step / length) : 0.0; }
 
@@ -62,7 +62,7 @@ RandomStream TrackerKey::sensor_stream(Purpose purpose, std::uint64_t joint) con
 
 TrackerKey TrackerKey::shared_stream() const {
   TrackerKey key = *this;
-  key.sensor = kMostSensors - 1;
+  key.sensor = kMaxSensors - 1;
   return key;
 }
 
@@ -182,7 +182,7 @@ std::array<Vector3d, kJointCount> JointErrors::step(std::uint64_t frame, const S
       error_m += sigma_m * normal_vector(key_.stream(Purpose::tracker_jitter, j, frame), 0);
     const Vector3d from_sensor_m = truth_m - view.sensor_in_world_m;
     const double range_m = from_sensor_m.norm();
-    const Vector3d ray = from_sensor_m / std::max(range_m, kNearest_m);
+    const Vector3d ray = from_sensor_m / std::max(range_m, kMinDistance_m);
     seen_m[j] = follow(state, truth_m) + jump_m + along_and_across(error_m, ray) +
                 spec_.unit_depth_share * unit_.error_m(range_m) * ray;
     if (state.hidden) seen_m[j] += world_from_body * state.hidden_m.seen_from(view.azimuth_rad);

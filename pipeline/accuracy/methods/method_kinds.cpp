@@ -253,9 +253,9 @@ const std::vector<MethodKind>& method_kinds() {
   return kinds;
 }
 
-const MethodKind& brought_kind() {
+const MethodKind& external_kind() {
   static const MethodKind kind{
-      .name = "brought",
+      .name = "external",
       .what = "joints that another method or system gave",
       .source = "the take's file",
       .needs_ranges = false,

@@ -32,7 +32,7 @@ struct MethodKind {
 
 const std::vector<MethodKind>& method_kinds();
 // The kind of methods that takes bring. No study names it, and it has no solver.
-const MethodKind& brought_kind();
+const MethodKind& external_kind();
 // InternalError when there is none of that name.
 const MethodKind& method_kind(std::string_view name);
 

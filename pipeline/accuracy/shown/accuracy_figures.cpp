@@ -18,13 +18,13 @@ constexpr std::array<std::string_view, 7> kFromHeadToFoot{"head", "shoulder", "e
 
 // The groups that a figure of six panels shows: the average of all, then from head to foot.
 std::vector<std::string> first_groups(std::vector<std::string> groups) {
-  constexpr std::size_t kMostPanels = 6;
+  constexpr std::size_t kMaxPanels = 6;
   const bool has_average = !groups.empty() && groups.back() == kAverageGroup;
   if (has_average) groups.pop_back();
   std::ranges::stable_sort(groups, {}, [](const std::string& group) {
     return std::ranges::find(kFromHeadToFoot, std::string_view(group)) - kFromHeadToFoot.begin();
   });
-  groups.resize(std::min(groups.size(), kMostPanels - has_average));
+  groups.resize(std::min(groups.size(), kMaxPanels - has_average));
   if (has_average) groups.insert(groups.begin(), kAverageGroup);
   return groups;
 }

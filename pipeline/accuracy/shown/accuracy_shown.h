@@ -49,7 +49,7 @@ std::vector<Table> table2(const ResultsSummary& summary);
 Table differences_table(const ResultsSummary& summary, const std::string& condition,
                         const std::string& alignment);
 
-// Methods of brought files by alignment: error, bias and answers over all joints.
+// Methods of external files by alignment: error, bias and answers over all joints.
 Table files_table(const ResultsSummary& summary, const std::string& condition);
 
 // Whole bodies by method. Without rows when no method has any.

@@ -77,7 +77,7 @@ TableValue verdict_cell(const ResultsSummary& s, const Row& row) {
   const bool is_better = difference->value < 0.0;
   const std::string verdict = is_better ? "better" : "worse";
   const double coverage = coverage_of(s, row.method, row.condition, row.group, row.alignment);
-  if (coverage < kLeastCoverage)
+  if (coverage < kMinCoverage)
     return TableValue::of(fmt::format("{}, where it answers ({:.0f} %)", verdict, 100.0 * coverage));
   return TableValue::marked(verdict, is_better ? TableValue::Mark::good : TableValue::Mark::bad);
 }
@@ -86,9 +86,9 @@ TableValue error_cell(const ResultsSummary& s, const Row& row) {
   TableValue value = shown_number(s.numbers, row.with(kMean), 1);
   if (const BestMethod* best = find_best(s, row.condition, row.group);
       best && row.alignment == s.alignments.front())
-    value.mark = best->method == row.method         ? TableValue::Mark::best
-                 : has(best->like_best, row.method) ? TableValue::Mark::like_best
-                                                    : TableValue::Mark::none;
+    value.mark = best->method == row.method                 ? TableValue::Mark::best
+                 : has(best->not_distinguished, row.method) ? TableValue::Mark::not_distinguished
+                                                            : TableValue::Mark::none;
   return value;
 }
 

@@ -50,7 +50,7 @@ void add_coverage_note(const ResultsSummary& s, const std::string& condition, co
   if (groups.empty()) return;
   for (const std::string& method : s.methods) {
     const Number* coverage = find_coverage(s, method, condition, groups.back(), alignment);
-    if (!coverage || !(coverage->value < kLeastCoverage)) continue;
+    if (!coverage || !(coverage->value < kMinCoverage)) continue;
     std::string reason;
     double share = 0.0;
     for (int k = 0; k < kSolveStatusCount; ++k) {
@@ -136,13 +136,13 @@ std::vector<std::string> method_legend(const ResultsSummary& s) {
 
 namespace {
 
-// " From files: …": each brought method with its error and its rank.
-std::string brought_text(const ResultsSummary& s, const std::string& condition, const std::string& best) {
+// " From files: …": each external method with its error and its rank.
+std::string external_text(const ResultsSummary& s, const std::string& condition, const std::string& best) {
   const std::vector<std::string> ranked = by_error(s, condition, s.methods);
   std::string text;
   for (const MethodNote& note : s.legend) {
     const Number* error = find_error(s, note.method, condition, average_group(s), s.alignments.front());
-    if (!note.is_brought || note.method == best || !error) continue;
+    if (!note.is_external || note.method == best || !error) continue;
     const auto rank = std::ranges::find(ranked, note.method) - ranked.begin() + 1;
     text += fmt::format("{}`{}` {}, {} of {}", text.empty() ? " From files: " : "; ", note.method,
                         error_text(*error), rank, ranked.size());
@@ -198,10 +198,11 @@ std::vector<std::string> accuracy_findings(const ResultsSummary& s) {
         coverage < kWhole)
       text += fmt::format(" on the {:.1f} % that it answers", 100.0 * coverage);
     if (const std::string against = difference_text(s, condition, alignment, best->method);
-        !against.empty() && std::ranges::find(best->like_best, s.reference) == best->like_best.end())
+        !against.empty() &&
+        std::ranges::find(best->not_distinguished, s.reference) == best->not_distinguished.end())
       text += ", " + against;
-    text += alike_text(s, best->like_best);
-    findings.push_back(text + "." + brought_text(s, condition, best->method));
+    text += alike_text(s, best->not_distinguished);
+    findings.push_back(text + "." + external_text(s, condition, best->method));
   }
   return findings;
 }
@@ -236,7 +237,7 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
     for (const std::string& method : leading_methods(s, condition)) {
       const std::string where = condition.empty() ? "" : " in " + condition;
       const double coverage = coverage_of(s, method, condition, average_group(s), s.alignments.front());
-      if (coverage < kLeastCoverage)
+      if (coverage < kMinCoverage)
         warnings.push_back(coverage == 0.0
                                ? fmt::format("`{}` answers nothing{}.", method, where)
                                : fmt::format("`{}` answers only {:.0f} %{}: its error is of these alone.",

@@ -21,11 +21,11 @@ std::string about(const ResultsSummary& summary, const std::string& condition, c
 // How the intervals were made, or why there are none.
 std::string interval_note(const ResultsSummary& summary);
 // Below this share of the samples asked, a warning says that the error is of these only.
-inline constexpr double kLeastCoverage = 0.8;
+inline constexpr double kMinCoverage = 0.8;
 // From this share on, every sample counts as answered.
 inline constexpr double kWhole = 0.995;
 // The notes of a table of errors: what its truth is, the notes of `key`, the intervals, one note for the
-// methods that answer less than `kLeastCoverage`, and the takes' own.
+// methods that answer less than `kMinCoverage`, and the takes' own.
 void add_error_notes(const ResultsSummary& summary, const std::string& condition,
                      const std::string& alignment, const std::string& key, Table& table);
 void add_take_notes(const ResultsSummary& summary, Table& table);
@@ -44,7 +44,7 @@ std::string body_alignment(const ResultsSummary& summary);
 std::vector<std::string> method_legend(const ResultsSummary& summary);
 
 // A sentence a condition: which method errs least, by how much, against the reference, and what is like it,
-// and how what was brought does; `code` and **bold** as in Markdown.
+// and how external methods do; `code` and **bold** as in Markdown.
 std::vector<std::string> accuracy_findings(const ResultsSummary& summary);
 // The warnings that a reader needs before believing a number: few participants, silent methods, disagreement
 // with Ceres; and, where they are not said elsewhere, failed takes and notes of the checks.

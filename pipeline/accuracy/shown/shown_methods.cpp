@@ -35,7 +35,7 @@ bool answer_alike(const ResultsSummary& s, const std::string& a, const std::stri
 void drop_method(ResultsSummary& s, const std::string& method) {
   std::erase(s.methods, method);
   std::erase_if(s.legend, [&](const MethodNote& note) { return note.method == method; });
-  for (BestMethod& best : s.best) std::erase(best.like_best, method);
+  for (BestMethod& best : s.best) std::erase(best.not_distinguished, method);
 }
 
 // A method that answers as an earlier one does shares its row.
@@ -52,10 +52,10 @@ void join_alike(ResultsSummary& s) {
       for (BestMethod& best : s.best)
         if (best.method == other) {
           best.method = method;
-          std::erase(best.like_best, method);
+          std::erase(best.not_distinguished, method);
         }
       for (const MethodNote& of_other : s.legend)
-        if (of_other.method == other) joined.is_brought |= of_other.is_brought;
+        if (of_other.method == other) joined.is_external |= of_other.is_external;
       drop_method(s, other);
       joined.alike.push_back(other);
     }

@@ -93,9 +93,9 @@ std::string counted_by_name(const MocapPositions& positions, std::int64_t Missin
 }  // namespace
 
 std::vector<std::string> oddities_of(const MarkerTrack& track) {
-  constexpr double kMostRepeated = 0.2;  // of the frames
+  constexpr double kMaxRepeated = 0.2;  // of the frames
   std::vector<std::string> odd = track.positions().taken_as;
-  if (const double share = track.repeated_share(); share > kMostRepeated)
+  if (const double share = track.repeated_share(); share > kMaxRepeated)
     odd.push_back(fmt::format(
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
         "of the stated one, and what moves stands still between; export it at the rate of the capture",

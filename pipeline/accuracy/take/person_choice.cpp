@@ -21,7 +21,7 @@ constexpr std::array kTrunk{Joint::spine_base,    Joint::spine_mid,      Joint::
                             Joint::hip_right};
 
 // Farther from the markers than this, their middle in the median, is not whom they are on.
-constexpr double kFarthest_m = 1.0;
+constexpr double kMaxDistance_m = 1.0;
 
 // The bodies of all sensors, one tracklet an identity.
 struct Tracklets {
@@ -122,7 +122,8 @@ std::vector<std::size_t> taken_persons(const Tracklets& tracklets, const std::ve
   std::vector<std::size_t> taken;
   for (const std::size_t p : order) {
     const bool first = taken.empty();
-    if (!first && distance_m[p] > std::min(kFarthest_m, distance_m[taken.front()] + PersonOptions{}.same_m))
+    if (!first &&
+        distance_m[p] > std::min(kMaxDistance_m, distance_m[taken.front()] + PersonOptions{}.same_m))
       break;
     if (std::ranges::none_of(taken, [&](std::size_t other) {
           return are_together(tracklets, tracklets_of[p], tracklets_of[other]);
@@ -181,7 +182,7 @@ std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& p
     if (std::isfinite(distance_m[p]) && !is_taken(p)) ++elsewhere;
   if (tracklets.frames_with_several == 0) {
     if (elsewhere == 0) return std::nullopt;
-    if (!(nearest_m <= kFarthest_m))
+    if (!(nearest_m <= kMaxDistance_m))
       return tracklets.jumps > 0 ? most_seen_person(tracklets, match, plan.rig.size()) : std::nullopt;
   }
   PersonChoice choice = bodies_of(tracklets, match, plan.rig.size(), is_taken);

@@ -14,7 +14,7 @@
 #include "datasets/results/summary.h"
 #include "datasets/session/body_readings.h"
 #include "datasets/session/session_reader.h"
-#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/take/take_clocks.h"
 #include "pipeline/accuracy/take/truth_track.h"
@@ -69,8 +69,8 @@ void plan_instants(PlannedTake& planned, const std::vector<std::string>& rig,
     planned.span_note += "; what cannot be answered without it counts against a method's coverage";
   planned.start = first;
   planned.instants = static_cast<std::uint64_t>(std::floor((last - first).seconds() * rate_hz)) + 1;
-  constexpr std::uint64_t kMost = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
-  if (planned.instants > kMost)
+  constexpr std::uint64_t kMaxCount = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
+  if (planned.instants > kMaxCount)
     throw InputError(planned.take.session.string(),
                      fmt::format("covers {:.0f} s, more than can be evaluated at {} Hz",
                                  (last - first).seconds(), rate_hz));
@@ -278,17 +278,17 @@ std::size_t reference_of(const StudySpec& study, const std::vector<Method>& meth
 namespace {
 
 // Adds what takes bring to the methods, in the order of their names.
-void add_brought_methods(Plan& plan) {
+void add_external_methods(Plan& plan) {
   const auto first = static_cast<std::ptrdiff_t>(plan.methods.size());
   for (const Take& take : plan.campaign.takes)
-    for (const BroughtJoints& joints : take.joints) {
+    for (const ExternalJoints& joints : take.joints) {
       const auto same = std::ranges::find_if(
           plan.methods, [&](const Method& method) { return method.spec.name == joints.method; });
-      if (same != plan.methods.end() && same->spec.kind != &brought_kind())
+      if (same != plan.methods.end() && same->spec.kind != &external_kind())
         throw InputError("take \"" + take.id + '"', "brings joints of the method \"" + joints.method +
                                                         "\", which the study has, too; rename one of them");
       if (same != plan.methods.end()) continue;
-      plan.methods.emplace_back().spec.kind = &brought_kind();
+      plan.methods.emplace_back().spec.kind = &external_kind();
       plan.methods.back().spec.name = joints.method;
     }
   std::ranges::sort(plan.methods.begin() + first, plan.methods.end(), {},
@@ -314,7 +314,7 @@ void look_into_all(Plan& plan, const Watch& watch) {
     PlannedTake& planned = plan.takes[t];
     try {
       if (plan.rig.empty())
-        look_into_brought(planned, plan.study);
+        look_into_external(planned, plan.study);
       else
         look_into(planned, plan.rig, plan.study);
     } catch (const InputError& error) {
@@ -391,7 +391,7 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
   if (plan.rig.empty() && !study.methods.empty())
     throw InputError("study \"" + study.name + "\" /methods",
                      "need takes with a session, and the campaign has joints alone: leave the key out");
-  add_brought_methods(plan);
+  add_external_methods(plan);
   if (plan.methods.empty())
     throw InputError("study \"" + study.name + "\" /methods", "must hold at least one method");
   plan.reference = reference_of(study, plan.methods);
@@ -413,9 +413,9 @@ Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& wa
   return plan;
 }
 
-std::size_t first_brought(const Plan& plan) {
+std::size_t first_external(const Plan& plan) {
   const auto first = std::ranges::find_if(
-      plan.methods, [](const Method& method) { return method.spec.kind == &brought_kind(); });
+      plan.methods, [](const Method& method) { return method.spec.kind == &external_kind(); });
   return static_cast<std::size_t>(first - plan.methods.begin());
 }
 

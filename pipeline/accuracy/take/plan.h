@@ -81,7 +81,7 @@ Campaign takes_of(const StudySpec& study, Campaign campaign);
 Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch = {});
 
 // The names of the plan's methods that takes bring begin here; all before are solved.
-std::size_t first_brought(const Plan& plan);
+std::size_t first_external(const Plan& plan);
 
 // Whether an error in the study's world counts: some alignment is not of shapes alone.
 bool judges_places(const StudySpec& study);

@@ -184,7 +184,7 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
   std::vector<std::int64_t> time_ns;
   for (const HostTime t : data.time) time_ns.push_back(t.ns);
   std::vector<std::size_t> methods;
-  for (std::size_t m = 0; m < first_brought(plan); ++m)
+  for (std::size_t m = 0; m < first_external(plan); ++m)
     if (is_over_time(plan.methods[m])) methods.push_back(m);
   std::ranges::stable_partition(methods, has_bones,
                                 [&](std::size_t m) -> const Method& { return plan.methods[m]; });
@@ -219,7 +219,7 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
 }
 
 std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
-                                  std::span<const MethodPaths> brought, bool cross_check, const Watch& watch,
+                                  std::span<const MethodPaths> external, bool cross_check, const Watch& watch,
                                   const std::function<void(const SampleBlock&)>& each) {
   const auto with_bones = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, has_bones));
   const std::uint64_t total = data.time.size() * (1 + kBonesWork * with_bones);
@@ -237,7 +237,7 @@ std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, 
     begin_block(plan, data, first, block);
     solve_block(plan, planned, data, cross_check, block, checks);
     for (const MethodPaths& path : paths) store_path(plan, path, block);
-    for (const MethodPaths& path : brought) store_path(plan, path, block);
+    for (const MethodPaths& path : external) store_path(plan, path, block);
     each(block);
     advance(block.instants);
   }

@@ -19,10 +19,10 @@ namespace trilat {
 std::vector<const Method*> checked_methods(const Plan& plan);
 
 // Sends every instant of a take through every method, on the threads of the current arena, and gives away
-// block by block in the order of time. `brought`: paths of the methods that are not solved here. The result
+// block by block in the order of time. `external`: paths of the methods that are not solved here. The result
 // is how Ceres compares, by checked method, where that is asked for. Throws Interrupted when asked to stop.
 std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
-                                  std::span<const MethodPaths> brought, bool cross_check, const Watch& watch,
+                                  std::span<const MethodPaths> external, bool cross_check, const Watch& watch,
                                   const std::function<void(const SampleBlock&)>& each);
 
 }  // namespace trilat

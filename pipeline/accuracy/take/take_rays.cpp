@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-constexpr std::size_t kMostRows = 1000;          // instants of single joints that an estimate looks at
+constexpr std::size_t kMaxRows = 1000;           // instants of single joints that an estimate looks at
 constexpr std::size_t kCorrectionInstants = 30;  // that corrections are found from, of all joints
 constexpr std::size_t kClusters = 12;            // stretches of time, of equal length
 
@@ -26,7 +26,7 @@ Rows rows_of(const PlannedTake& planned, const PreparedTake& data, std::span<con
              std::size_t first, std::size_t last, bool is_corrected) {
   Rows rows;
   const std::size_t sensors = planned.world_from_sensor.size(), instants = last - first;
-  const std::size_t step = std::max<std::size_t>(1, instants * joints.size() / kMostRows);
+  const std::size_t step = std::max<std::size_t>(1, instants * joints.size() / kMaxRows);
   for (std::size_t i = first; i < last; i += step)
     for (const Joint joint : joints) {
       rows.observations.resize(rows.observations.size() + sensors);

@@ -20,7 +20,7 @@ namespace {
 constexpr double kTruthRate_hz = 60.0;  // dense enough for movements smoothed over 60 ms
 constexpr double kGrid_hz = 120.0;
 // Longest lag of a tracker behind the body: Kinect v2 bodies arrive some 60 ms late in all.
-constexpr double kLongestLag_s = 0.1;
+constexpr double kMaxLag_s = 0.1;
 constexpr double kNoticeable_m = 0.005;  // mean speed times what the lag does not explain
 
 void check_stop(std::size_t i, const std::function<bool()>& stop_requested) {
@@ -97,7 +97,7 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
         "it the same take, and mocap_start_host_ns right?",
         study.clock_search_s);
   if (found.status != ClockOffsetStatus::found) return {};
-  const double lowest_s = -(kLongestLag_s + study.clock_error_s), highest_s = study.clock_error_s;
+  const double lowest_s = -(kMaxLag_s + study.clock_error_s), highest_s = study.clock_error_s;
   const double beyond_s = std::max({0.0, lowest_s - found.high_s, found.low_s - highest_s});
   if (beyond_s * found.speed_m_s < kNoticeable_m) return {};
   return fmt::format(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/external/external_joints.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +69,7 @@ const NamedPoint* find_point(const std::vector<NamedPoint>& points, const std::s
 
 // The points of a file that have these names: by its mapping; else by its own names, or the joints that these
 // stand for.
-std::vector<NamedPoint> points_called(const BroughtJoints& joints, const MocapHeader& header,
+std::vector<NamedPoint> points_called(const ExternalJoints& joints, const MocapHeader& header,
                                       const std::vector<std::string>& names) {
   const std::vector<NamedPoint> own = joints.mapping.empty() ? points_by_name(header) : joints.mapping;
   const std::vector<NamedPoint> told =
@@ -85,8 +85,8 @@ std::vector<NamedPoint> points_called(const BroughtJoints& joints, const MocapHe
 }
 
 std::string names_text(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 12;
-  const std::size_t shown = std::min(kMost, names.size());
+  constexpr std::size_t kMaxCount = 12;
+  const std::size_t shown = std::min(kMaxCount, names.size());
   const std::string text =
       fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
   return names.size() > shown ? fmt::format("{} and {} more", text, names.size() - shown) : text;
@@ -115,8 +115,8 @@ std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header,
 // How the person stands in the mocap, where its points are joints: z, y, or nothing where that is not clear.
 std::optional<UpAxis> standing_axis(const MocapPositions& positions, const std::vector<NamedPoint>& points) {
   StandingAxis standing;
-  constexpr std::size_t kMost = 300;  // frames, spread evenly
-  const std::size_t step = std::max<std::size_t>(1, positions.time.size() / kMost);
+  constexpr std::size_t kMaxCount = 300;  // frames, spread evenly
+  const std::size_t step = std::max<std::size_t>(1, positions.time.size() / kMaxCount);
   for (const NamedPoint& point : points) {
     const auto joint = joint_from_name(point.name);
     if (!joint) continue;
@@ -144,13 +144,13 @@ MocapPositions read_markers(const std::filesystem::path& file) {
 
 std::vector<NamedPoint> correspondences(const Take& take) {
   const MocapHeader header = read_marker_header(take.mocap);
-  std::vector<MocapHeader> brought;
-  for (const BroughtJoints& joints : take.joints) brought.push_back(read_marker_header(joints.file));
+  std::vector<MocapHeader> external;
+  for (const ExternalJoints& joints : take.joints) external.push_back(read_marker_header(joints.file));
   const auto common = [&](const std::vector<NamedPoint>& points) {
     std::vector<NamedPoint> both;
     std::set<std::string> names;
-    for (std::size_t k = 0; k < brought.size(); ++k)
-      for (const NamedPoint& point : points_called(take.joints[k], brought[k], names_of(points)))
+    for (std::size_t k = 0; k < external.size(); ++k)
+      for (const NamedPoint& point : points_called(take.joints[k], external[k], names_of(points)))
         names.insert(point.name);
     for (const NamedPoint& point : points)
       if (names.contains(point.name)) both.push_back(point);
@@ -176,7 +176,7 @@ std::vector<NamedPoint> correspondences(const Take& take) {
   throw InputError(
       take.joints.front().file.string(),
       fmt::format("has no point that {} has: here are {}, there {}. Say which is which with a mapping",
-                  take.mocap.filename().string(), names_text(names_of(points_by_name(brought.front()))),
+                  take.mocap.filename().string(), names_text(names_of(points_by_name(external.front()))),
                   names_text(names_of(ways.front()))));
 }
 
@@ -189,7 +189,7 @@ std::vector<std::string> points_left_out(const Take& take, const std::vector<std
   return {fmt::format("names {} that are in none of the files, and not compared", names_text(left_out))};
 }
 
-void look_into_brought(PlannedTake& planned, const StudySpec& study) {
+void look_into_external(PlannedTake& planned, const StudySpec& study) {
   const Take& take = planned.take;
   planned.points = correspondences(take);
   const MocapPositions positions = read_markers(take.mocap);
@@ -199,8 +199,8 @@ void look_into_brought(PlannedTake& planned, const StudySpec& study) {
   planned.instants = static_cast<std::uint64_t>(
                          std::floor((positions.time.back() - MocapTime{}).seconds() * study.rate_hz + 1e-6)) +
                      1;
-  constexpr std::uint64_t kMost = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
-  if (planned.instants > kMost)
+  constexpr std::uint64_t kMaxCount = 2'000'000;  // a take is held in memory: 18 hours at 30 Hz
+  if (planned.instants > kMaxCount)
     throw InputError(take.mocap.string(),
                      fmt::format("is longer than can be evaluated at {} Hz", study.rate_hz));
   planned.truth_has_z_up = take.up_axis == UpAxis::z;
@@ -219,9 +219,9 @@ MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned) {
           planned.truth_has_z_up};
 }
 
-std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& planned) {
-  std::vector<BroughtTrack> all;
-  for (const BroughtJoints& joints : planned.take.joints) {
+std::vector<ExternalTrack> read_external(const Plan& plan, const PlannedTake& planned) {
+  std::vector<ExternalTrack> all;
+  for (const ExternalJoints& joints : planned.take.joints) {
     MocapPositions positions = read_markers(joints.file);
     const std::vector<NamedPoint> points = points_called(joints, positions.header, plan.names);
     if (points.empty())
@@ -263,16 +263,16 @@ std::vector<BroughtTrack> read_brought(const Plan& plan, const PlannedTake& plan
   return all;
 }
 
-void points_at(const BroughtTrack& brought, double since_s, std::span<Eigen::Vector3d> points) {
-  brought.track.at(MocapTime{} + duration_from_s(since_s - brought.offset_s - brought.first_s), points);
+void points_at(const ExternalTrack& external, double since_s, std::span<Eigen::Vector3d> points) {
+  external.track.at(MocapTime{} + duration_from_s(since_s - external.offset_s - external.first_s), points);
 }
 
-MethodPaths paths_of(const Plan& plan, const BroughtTrack& brought, const std::vector<double>& since_s) {
+MethodPaths paths_of(const Plan& plan, const ExternalTrack& external, const std::vector<double>& since_s) {
   const std::size_t count = plan.names.size();
-  MethodPaths paths{brought.method, count, std::vector<PathPoint>(since_s.size() * count)};
+  MethodPaths paths{external.method, count, std::vector<PathPoint>(since_s.size() * count)};
   std::vector<Eigen::Vector3d> points(count);
   for (std::size_t i = 0; i < since_s.size(); ++i) {
-    points_at(brought, since_s[i], points);
+    points_at(external, since_s[i], points);
     for (std::size_t j = 0; j < count; ++j)
       paths.points[i * count + j] = {
           points[j], points[j].allFinite() ? SolveStatus::given : SolveStatus::no_observation, 0};

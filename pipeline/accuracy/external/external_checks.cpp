@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "pipeline/accuracy/brought/brought_joints.h"
+#include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/stream_fit/stream_words.h"
 
 namespace trilat {
@@ -26,26 +26,29 @@ PointStream truth_stream(const Plan& plan, const PointPath* truth) {
   return stream;
 }
 
-// What was brought, at its own rate.
-PointStream brought_stream(const Plan& plan, const BroughtTrack& brought) {
-  const double duration_s = (brought.track.end() - MocapTime{}).seconds();
-  const auto frames = static_cast<double>(brought.track.positions().time.size());
+// External joints at their own rate.
+PointStream external_stream(const Plan& plan, const ExternalTrack& external) {
+  const double duration_s = (external.track.end() - MocapTime{}).seconds();
+  const auto frames = static_cast<double>(external.track.positions().time.size());
   const double intervals = std::clamp(frames - 1.0, 1.0, static_cast<double>(kMaxStreamInstants));
-  PointStream stream{
-      brought.first_s, duration_s > 0.0 ? intervals / duration_s : plan.study.rate_hz, plan.names.size(), {}};
+  PointStream stream{external.first_s,
+                     duration_s > 0.0 ? intervals / duration_s : plan.study.rate_hz,
+                     plan.names.size(),
+                     {}};
   std::vector<Eigen::Vector3d> points(plan.names.size());
   for (double k = 0.0; k <= intervals; k += 1.0) {
-    points_at(brought, std::min(brought.first_s + k / stream.rate_hz, brought.first_s + duration_s), points);
+    points_at(external, std::min(external.first_s + k / stream.rate_hz, external.first_s + duration_s),
+              points);
     stream.at_m.insert(stream.at_m.end(), points.begin(), points.end());
   }
   return stream;
 }
 
 // Reports a file that begins late or ends early, and positions that are missing in between.
-std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, const BroughtTrack& brought) {
+std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, const ExternalTrack& external) {
   std::vector<std::string> texts;
-  const double begins_s = brought.first_s + brought.offset_s,
-               ends_s = begins_s + (brought.track.end() - MocapTime{}).seconds(),
+  const double begins_s = external.first_s + external.offset_s,
+               ends_s = begins_s + (external.track.end() - MocapTime{}).seconds(),
                last_s = truth->time_s.back();
   if (begins_s > kShort_s || ends_s < last_s - kShort_s)
     texts.push_back(
@@ -56,7 +59,7 @@ std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, co
   const std::size_t step = std::max<std::size_t>(1, truth->time_s.size() / kMaxLooks);
   for (std::size_t i = 0; i < truth->time_s.size(); i += step) {
     if (truth->time_s[i] < begins_s || truth->time_s[i] > ends_s) continue;
-    points_at(brought, truth->time_s[i], points);
+    points_at(external, truth->time_s[i], points);
     for (std::size_t j = 0; j < points.size(); ++j) {
       if (!truth[j].position_m[i].allFinite()) continue;
       ++asked;
@@ -71,37 +74,37 @@ std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, co
 
 }  // namespace
 
-std::vector<TakeNote> check_brought(const Plan& plan, const PlannedTake& planned, const PointPath* truth,
-                                    BroughtTrack& brought) {
+std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planned, const PointPath* truth,
+                                     ExternalTrack& external) {
   std::vector<TakeNote> notes;
   const auto note = [&](std::string text) {
     if (!text.empty())
-      notes.push_back({planned.take.id, false, brought.joints->file.string(), std::move(text)});
+      notes.push_back({planned.take.id, false, external.joints->file.string(), std::move(text)});
   };
-  for (std::string& text : oddities_of(brought.track)) note(std::move(text));
-  if (!brought.left_out.empty() && plan.rig.empty())
+  for (std::string& text : oddities_of(external.track)) note(std::move(text));
+  if (!external.left_out.empty() && plan.rig.empty())
     note(fmt::format(
-        "has {} names that are not compared, since the truth has none of them: {}", brought.left_out.size(),
-        fmt::join(std::span(brought.left_out).first(std::min<std::size_t>(8, brought.left_out.size())),
+        "has {} names that are not compared, since the truth has none of them: {}", external.left_out.size(),
+        fmt::join(std::span(external.left_out).first(std::min<std::size_t>(8, external.left_out.size())),
                   ", ")));
-  const PointStream reference = truth_stream(plan, truth), subject = brought_stream(plan, brought);
+  const PointStream reference = truth_stream(plan, truth), subject = external_stream(plan, external);
   // what is made of a recording's bodies has the trackers' lag, some 0.05 s
   constexpr double kMinStart_s = 0.02, kMinStartOfBodies_s = 0.07;
   const StreamFit fit = fit_streams({reference, subject}, mirrored_points(plan.names),
                                     {.min_start_s = plan.rig.empty() ? kMinStart_s : kMinStartOfBodies_s});
   const bool shows_start = fit.status == StreamFitStatus::found && fit.changes.front().has_start &&
                            !fit.changes.front().has_stretch;
-  const bool is_applied = shows_start && brought.joints->clock_by_motion;
-  if (is_applied) brought.offset_s = fit.changes.front().start_s;
+  const bool is_applied = shows_start && external.joints->clock_by_motion;
+  if (is_applied) external.offset_s = fit.changes.front().start_s;
   note(stream_note(fit, {.names = plan.names, .clock_is_applied = is_applied}));
-  if (brought.joints->clock_by_motion && !shows_start && fit.status != StreamFitStatus::sound)
+  if (external.joints->clock_by_motion && !shows_start && fit.status != StreamFitStatus::sound)
     note("keeps its own times, since the motion does not say when it starts");
   if (fit.overlap_s <= 0.0 && fit.status != StreamFitStatus::found)
     note(
         "has no time in common with the truth; --clock-by-motion, or \"clock\": \"motion\" beside the file, "
         "looks "
         "for the start that its motion shows");
-  for (std::string& text : hole_texts(plan, truth, brought)) note(std::move(text));
+  for (std::string& text : hole_texts(plan, truth, external)) note(std::move(text));
   return notes;
 }
 
