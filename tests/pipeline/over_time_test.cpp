@@ -2,8 +2,11 @@
 #include "pipeline/accuracy/methods/over_time.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <mutex>
+#include <numeric>
 
 #include <gmock/gmock.h>
 
@@ -47,6 +50,28 @@ TEST(OverTime, WithoutNoiseAllJointsTogetherFindTheTruth) {
   const StudySpec study = study_of(
       R"("alignments": ["none"], "methods": [{"method": "window", "sigma_m": 1e-4, "loss_scale_m": 1}])");
   EXPECT_LT(mean_error_m(execute_study(study, campaign, folder / "results", {}), "window"), 0.001);
+}
+
+// Two joints of a walk, seen by one sensor; a bone joins them.
+TEST(OverTime, AllJointsTogetherSayHowFarTheyAre) {
+  constexpr std::size_t kWalkInstants = 3000;
+  std::vector<std::int64_t> time_ns;
+  for (std::size_t i = 0; i < kWalkInstants; ++i)
+    time_ns.push_back(static_cast<std::int64_t>(i) * 33'333'333);
+  const std::array joints{Joint::elbow_left, Joint::wrist_left};
+  const SeenInTime seen{
+      time_ns, 1, joints, [&](std::size_t instant, Joint joint, std::span<JointObservation> observations) {
+        const double s = static_cast<double>(instant) / 30.0;
+        observations[0].seen = true;
+        observations[0].state = TrackingState::tracked;
+        observations[0].point_in_world_m = {std::sin(s), joint == joints[0] ? 1.0 : 1.3, 0.0};
+      }};
+  std::vector<std::size_t> advanced;
+  MethodPaths paths{0, joints.size(), std::vector<PathPoint>(kWalkInstants * joints.size())};
+  solve_bones({}, seen, {[&](std::size_t instants) { advanced.push_back(instants); }, {}}, paths);
+  EXPECT_GT(advanced.size(), 3u);
+  EXPECT_EQ(std::accumulate(advanced.begin(), advanced.end(), std::size_t{0}), kWalkInstants);
+  EXPECT_THROW(solve_bones({}, seen, {{}, [] { return true; }}, paths), Interrupted);
 }
 
 }  // namespace
