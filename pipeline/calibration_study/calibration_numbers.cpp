@@ -150,7 +150,7 @@ void add_beside(const NumberKey& key, const WandRecording& recording, std::size_
   for (const ZoneBeside& zone : kZonesBeside) {
     const auto is_in_zone = [&](const WandSample& s) {
       const double angle_deg = s.angle_rad * kDegreesPerRad;
-      return s.distance_m >= zone.distance_m[0] && s.distance_m < zone.distance_m[1] &&
+      return !is_inside(s) && s.distance_m >= zone.distance_m[0] && s.distance_m < zone.distance_m[1] &&
              angle_deg >= zone.angle_deg[0] && angle_deg < zone.angle_deg[1];
     };
     const WeightedRatio beside = distance_errors(recording, method, is_in_zone);

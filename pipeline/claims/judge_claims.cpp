@@ -77,7 +77,10 @@ Measurement find(const ResultsSummary& s, const ClaimedNumber& claimed) {
 // What is listed whole has no interval.
 Measurement find(const SweepSummary& s, const ClaimedNumber& claimed) {
   const Number* number = s.numbers.find(claimed.key);
-  if (!number) return lacking("a sweep over the thresholds and error ranges of Table I");
+  if (!number)
+    return lacking(s.numbers.find(claimed.key.with({.statistic = "share_near"}))
+                       ? "an interpretation of Table I whose every error is that near the printed one"
+                       : "a sweep over the thresholds and error ranges of Table I");
   return {.what = fmt::format("of {} acceptable interpretations of {}", number->n, s.interpretations()),
           .unit = "%",
           .number = number->value,

@@ -156,6 +156,11 @@ void add_interpretations(SweepSummary& s) {
     ++near;
     compromise += is_compromise(s, k);
   }
+  s.numbers.add({{.measure = "interpretations", .statistic = "share_near"},
+                 share_of(near, s.interpretations()),
+                 kNoNumber,
+                 kNoNumber,
+                 s.interpretations()});
   s.numbers.add({{.measure = "interpretations", .statistic = "share"},
                  share_of(compromise, near),
                  kNoNumber,

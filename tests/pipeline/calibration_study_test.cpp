@@ -89,8 +89,8 @@ TEST(ErrorSpread, AnIntervalIsBetweenClusters) {
   EXPECT_NEAR(spread.mean_high_m, 0.0025 + 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
 }
 
-// Two sensors and three places: two within the paper's recommended range, one too near, where one sensor has
-// no answer and the other one takes another thing for the ball.
+// Two sensors and four places: two within the paper's recommended range, one beyond, one too near, where one
+// sensor has no answer and the other one takes another thing for the ball.
 TEST(CalibrationNumbers, OfABallByPencil) {
   WandRecording wand;
   wand.name = "bench";
@@ -98,10 +98,11 @@ TEST(CalibrationNumbers, OfABallByPencil) {
   wand.sensors = {"k1", "k2"};
   const std::size_t ours = wand_method("ours");
   wand.statuses.resize(wand_method_names().size());
-  wand.statuses[ours] = {{"found", 5}, {"nothing", 1}};
+  wand.statuses[ours] = {{"found", 7}, {"nothing", 1}};
   for (std::size_t sensor = 0; sensor < 2; ++sensor) {
     const double more_m = 0.01 * static_cast<double>(sensor);
     wand.samples.push_back({ours, sensor, 0, 1.0, 0.1, 0.01 + more_m, 0.02 + more_m});
+    wand.samples.push_back({ours, sensor, 3, 3.5, 0.2, 0.05 + more_m, 0.06 + more_m});
     wand.samples.push_back({ours, sensor, 1, 3.0, 0.2, 0.03 + more_m, 0.04 + more_m});
     wand.samples.push_back(
         {ours, sensor, 2, 0.4, 0.1, sensor == 1 ? 0.5 : kNotMeasured, sensor == 1 ? 0.5 : kNotMeasured});
@@ -122,12 +123,12 @@ TEST(CalibrationNumbers, OfABallByPencil) {
   EXPECT_EQ(number(kInside, "ball_distance", "mean").clusters, 2u);
   EXPECT_NEAR(number(kInside, "ball_position", "mean").value, 0.035, 1e-15);
   EXPECT_EQ(number(kInside, "answered", "share").n, 4u);
-  EXPECT_EQ(number(kAllPlaces, "answered", "share").value, 5.0 / 6.0);
+  EXPECT_EQ(number(kAllPlaces, "answered", "share").value, 7.0 / 8.0);
   EXPECT_EQ(number(kNear, "answered", "share").value, 0.5);
   EXPECT_EQ(number(kNear, "ball_distance", "max").value, 0.5);
   EXPECT_EQ(number("distance below 0.5 m", "ball_distance", "mean").n, 1u);
-  EXPECT_EQ(number("distance 3 to 3.75 m", "ball_distance", "mean").n, 2u);  // an edge is of the bin above
-  EXPECT_EQ(number("angle 9 to 18 degrees", "ball_distance", "mean").n, 2u);
+  EXPECT_EQ(number("distance 3 to 3.75 m", "ball_distance", "mean").n, 4u);  // an edge is of the bin above
+  EXPECT_EQ(number("angle 9 to 18 degrees", "ball_distance", "mean").n, 4u);
   EXPECT_EQ(numbers.n({.condition = "bench",
                        .group = "farther",
                        .method = "ours",
@@ -141,9 +142,9 @@ TEST(CalibrationNumbers, OfABallByPencil) {
                              .against = "inside",
                              .measure = "ball_distance",
                              .statistic = "relative_difference"}),
-              0.035 / 0.025 - 1.0, 1e-12);
+              0.055 / 0.025 - 1.0, 1e-12);
   EXPECT_EQ(number(kAllPlaces, "status", "another_thing").n, 1u);
-  EXPECT_EQ(number(kAllPlaces, "status", "found").value, 5.0 / 6.0);
+  EXPECT_EQ(number(kAllPlaces, "status", "found").value, 7.0 / 8.0);
   const auto pose = [&](const char* sensor, const char* measure, const char* statistic) {
     return numbers.value({.condition = "bench",
                           .group = sensor,

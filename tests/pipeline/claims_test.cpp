@@ -311,6 +311,22 @@ TEST(Claims, SharesOfClocksAreOverRecordingsAndSensors) {
               HasSubstr("share_below_2ms of clock_error"));
 }
 
+// A sweep of another grid, one of the paper's grid that is nowhere near Table I, and one that is.
+TEST(Claims, OfTheSweepCountInterpretationsThatAreNearTheTable) {
+  SweepSummary sweep;
+  sweep.paper = "table1";
+  sweep.cells.resize(8);
+  const NumberKey key{.measure = "interpretations"};
+  const auto threshold = [&] { return numbers_of("threshold", claim_numbers(sweep)).at(0); };
+  EXPECT_THAT(threshold().missing, HasSubstr("a sweep over the thresholds"));
+  sweep.numbers.add({key.with({.statistic = "share_near"}), 0.0, kNoNumber, kNoNumber, 8});
+  EXPECT_THAT(threshold().missing, HasSubstr("whose every error is that near"));
+  sweep.numbers.add({key.with({.statistic = "share"}), 0.75, kNoNumber, kNoNumber, 4});
+  EXPECT_EQ(threshold().value, 75.0);
+  EXPECT_EQ(threshold().what, "of 4 acceptable interpretations of 8");
+  EXPECT_EQ(threshold().p_holds, 0.0);
+}
+
 TEST(Claims, OfTheWandAreThoseOfTheStatedDistances) {
   CalibrationSummary calibration;
   calibration.paper = "calibration";
