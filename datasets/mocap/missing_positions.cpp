@@ -66,6 +66,7 @@ struct Steps {
 Steps steps_of(const Positions& position_m) {
   Steps steps;
   std::vector<double> lengths_m;
+  lengths_m.reserve(position_m.size());
   for (std::size_t f = 1; f < position_m.size(); ++f) {
     if (!position_m[f].allFinite() || !position_m[f - 1].allFinite()) continue;
     ++steps.count;

@@ -192,6 +192,7 @@ MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t
     constexpr std::int64_t kMaxCount = 10'000'000;  // whatever the header says
     const auto frames = static_cast<std::size_t>(
         std::clamp<std::int64_t>(result.header.total_exported_frames.value_or(0), 0, kMaxCount));
+    result.time.reserve(frames);
     for (const std::size_t asset : assets) result.position_m[asset].reserve(frames);
   }
   MocapFrame frame;
