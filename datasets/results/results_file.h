@@ -51,11 +51,11 @@ void check_format(JsonObject& object, const std::string& format, int version);
 // summary.json and numbers.csv of a study. The struct states its kind, `static constexpr StudyKind kKind`,
 // and has its `numbers` and how many there are, `rows`.
 template <Described T>
-void write_results(const std::filesystem::path& folder, T summary) {
-  summary.rows = summary.numbers.all().size();
+void write_results(const std::filesystem::path& folder, const T& summary) {
   write_numbers(folder, summary.numbers);
   Json json = results_head(T::kKind);
   json.update(json_of(summary));
+  json["rows"] = summary.numbers.all().size();
   write_file(folder / "summary.json", json_text(json, 1) + "\n");
 }
 // InputError with the place when a file is not there, damaged, or not of that kind and version.

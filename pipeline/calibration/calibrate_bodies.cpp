@@ -202,20 +202,22 @@ RigProblem with_depth_error(RigProblem problem, std::size_t sensor, double error
 // unit, which all its joints share. InputError where the poses do not follow from the joints that are left.
 std::vector<Covariance> covariances_of(const RigProblem& problem, const BodyRefinement& refinement,
                                        const CalibrateBodiesOptions& options, const std::string& place) {
-  std::set<std::size_t> joints;
-  for (const PointObservation& o : problem.observations) joints.insert(o.point % kJointCount);
+  std::set<std::size_t> seen;
+  for (const PointObservation& o : problem.observations) seen.insert(o.point % kJointCount);
+  const std::vector<std::size_t> joints(seen.begin(), seen.end());
   const auto rows = static_cast<Eigen::Index>(6 * problem.sensors);
   Eigen::MatrixXd without_joint(rows, static_cast<Eigen::Index>(joints.size()));
   Eigen::MatrixXd by_depth(rows, static_cast<Eigen::Index>(problem.sensors));
-  std::vector<RigProblem> parts;
-  for (const std::size_t joint : joints)
-    parts.push_back(part_of(problem, [&](std::size_t point) { return point % kJointCount != joint; }));
-  for (std::size_t s = 0; s < problem.sensors; ++s)
-    parts.push_back(with_depth_error(problem, s, options.unit_depth_sigma_m));
-  std::vector<std::optional<Eigen::VectorXd>> differences(parts.size());
-  parallel_for_index(parts.size(), 1, [&](std::size_t k) {
+  const auto changed = [&](std::size_t k) {  // joints first, then sensors
+    return k < joints.size()
+               ? part_of(problem, [&](std::size_t point) { return point % kJointCount != joints[k]; })
+               : with_depth_error(problem, k - joints.size(), options.unit_depth_sigma_m);
+  };
+  std::vector<std::optional<Eigen::VectorXd>> differences(joints.size() + problem.sensors);
+  parallel_for_index(differences.size(), 1, [&](std::size_t k) {
     if (options.stop_requested && options.stop_requested()) return;
-    if (start_of(parts[k]).complete()) differences[k] = refinement.difference(parts[k]);
+    const RigProblem other = changed(k);
+    if (start_of(other).complete()) differences[k] = refinement.difference(other);
   });
   if (options.stop_requested && options.stop_requested()) throw Interrupted();
   const auto is_known = [](const std::optional<Eigen::VectorXd>& difference) {

@@ -131,7 +131,8 @@ void add_spreads(const NumberKey& key, const WandRecording& recording, std::size
                answered / static_cast<double>(distances.size()), kNoNumber, kNoNumber, distances.size()});
 }
 
-// By sensor, the sums of the errors of the ball's distance over the samples that `wanted` holds for.
+// Sums of the ball's distance errors (m) and their counts, by sensor, over the samples that `wanted` holds
+// for.
 WeightedRatio distance_errors(const WandRecording& recording, std::size_t method, const auto& wanted) {
   const std::size_t sensors = recording.sensors.size();
   WeightedRatio mean{std::vector<double>(sensors, 0.0), std::vector<double>(sensors, 0.0), 1.0};
@@ -143,43 +144,42 @@ WeightedRatio distance_errors(const WandRecording& recording, std::size_t method
   return mean;
 }
 
-// Adds how much more the distance errs beside the recommended range than in it.
-void add_beside(const NumberKey& key, const WandRecording& recording, std::size_t method,
-                const auto& is_inside, Numbers& numbers) {
-  const WeightedRatio inside = distance_errors(recording, method, is_inside);
-  for (const ZoneBeside& zone : kZonesBeside) {
-    const auto is_in_zone = [&](const WandSample& s) {
-      const double angle_deg = s.angle_rad * kDegreesPerRad;
-      return !is_inside(s) && s.distance_m >= zone.distance_m[0] && s.distance_m < zone.distance_m[1] &&
-             angle_deg >= zone.angle_deg[0] && angle_deg < zone.angle_deg[1];
-    };
-    const WeightedRatio beside = distance_errors(recording, method, is_in_zone);
-    Contrast contrast{{beside, inside}, {inside}};
-    contrast.value[1].weight = -1.0;
-    const Estimate more = solve_contrast(contrast);
-    const double n = std::accumulate(beside.denominator.begin(), beside.denominator.end(), 0.0);
-    numbers.add({key.with({.group = zone.name,
-                           .against = kInside,
-                           .measure = "ball_distance",
-                           .statistic = "relative_difference"}),
-                 more.value, more.low(), more.high(), static_cast<std::uint64_t>(n), more.clusters,
-                 more.p_value()});
-  }
+// Adds how much more the distance errs in a zone than in the recommended range, whose errors are `inside`.
+void add_beside(const NumberKey& key, const WeightedRatio& beside, const WeightedRatio& inside,
+                Numbers& numbers) {
+  Contrast contrast{{beside, inside}, {inside}};
+  contrast.value[1].weight = -1.0;
+  const Estimate more = solve_contrast(contrast);
+  const double n = std::accumulate(beside.denominator.begin(), beside.denominator.end(), 0.0);
+  numbers.add({key.with({.against = kInside, .measure = "ball_distance", .statistic = "relative_difference"}),
+               more.value, more.low(), more.high(), static_cast<std::uint64_t>(n), more.clusters,
+               more.p_value()});
 }
 
 void add_wand(const WandRecording& recording, std::size_t method, Numbers& numbers) {
   const PrintedCalibration paper = printed_calibration();
   const std::string& name = wand_method_names()[method];
   const NumberKey key{.condition = recording.name, .method = name};
-  const auto is_inside = [&](const WandSample& s) {
-    return s.distance_m >= paper.recommended_m[0] && s.distance_m <= paper.recommended_m[1] &&
-           s.angle_rad < paper.recommended_below_deg * kRadPerDegree;
+  const double angle_rad = paper.recommended_below_deg * kRadPerDegree;
+  const auto is_as_far = [&](const WandSample& s) {
+    return s.distance_m >= paper.recommended_m[0] && s.distance_m <= paper.recommended_m[1];
   };
+  const auto is_inside = [&](const WandSample& s) { return is_as_far(s) && s.angle_rad < angle_rad; };
   const auto add = [&](const std::string& group, const auto& wanted) {
     add_spreads(key.with({.group = group}), recording, method, wanted, numbers);
   };
   add(kInside, is_inside);
-  add_beside(key, recording, method, is_inside, numbers);
+  const WeightedRatio inside = distance_errors(recording, method, is_inside);
+  const auto add_zone = [&](const char* zone, const auto& wanted) {
+    add_beside(key.with({.group = zone}), distance_errors(recording, method, wanted), inside, numbers);
+  };
+  add_zone("nearer", [&](const WandSample& s) {
+    return s.distance_m >= paper.near_m && s.distance_m < paper.recommended_m[0] && s.angle_rad < angle_rad;
+  });
+  add_zone("farther", [&](const WandSample& s) {
+    return s.distance_m > paper.recommended_m[1] && s.angle_rad < angle_rad;
+  });
+  add_zone("aside", [&](const WandSample& s) { return is_as_far(s) && s.angle_rad >= angle_rad; });
   add(kAllPlaces, [](const WandSample&) { return true; });
   add(kNear, [&](const WandSample& s) { return s.distance_m < paper.near_m; });
   if (std::ranges::find(kMainWandMethods, name) != kMainWandMethods.end())

@@ -42,15 +42,6 @@ ColumnMeans column_means(const std::vector<double>& by_column);
 
 // Zones of the ball: the paper's recommended range; everywhere; nearer than a Kinect is said to see.
 inline constexpr const char *kInside = "inside", *kAllPlaces = "all", *kNear = "near";
-// Zones beside the recommended range, whose errors are compared with those in it ("relative_difference"):
-// from the first distance (m) and angle (degrees) to below the second.
-struct ZoneBeside {
-  const char* name;
-  std::array<double, 2> distance_m, angle_deg;
-};
-inline constexpr std::array<ZoneBeside, 3> kZonesBeside{{{"nearer", {0.5, 0.8}, {0.0, 26.0}},
-                                                         {"farther", {3.0, 8.0}, {0.0, 26.0}},
-                                                         {"aside", {0.8, 3.0}, {26.0, 90.0}}}};
 // The ways to find the ball that bins and figures show.
 inline constexpr std::array kMainWandMethods{"ours", "corrected", "corrected by the mid-range"};
 
@@ -63,9 +54,11 @@ struct PlaceBin {
 };
 const std::vector<PlaceBin>& place_bins();
 
-// The numbers of a study, as CalibrationSummary has them. Statistics of a wall: "distance" (of the fitted
-// plane along the lens' axis), "stated" and "noise" (of a pixel's depth); of "residual" and "sideways" the
-// means over the left, middle and right columns, both outer parts (edge), and the max.
+// The numbers of a study, as CalibrationSummary has them. Zones beside the recommended range, whose errors
+// are compared with those in it: "nearer" and "farther" at its angles, "aside" at its distances. Statistics
+// of a wall: "distance" (of the fitted plane along the lens' axis), "stated" and "noise" (of a pixel's
+// depth); of "residual" and "sideways" the means over the left, middle and right columns, both outer parts
+// (edge), and the max.
 Numbers calibration_numbers(const CalibrationRecordings& recordings);
 
 }  // namespace trilat

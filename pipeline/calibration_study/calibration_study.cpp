@@ -2,9 +2,8 @@
 #include "pipeline/calibration_study/calibration_study.h"
 
 #include <algorithm>
-#include <map>
+#include <set>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -89,10 +88,8 @@ std::vector<Recording> recordings_of(const CalibrationSpec& spec, const Campaign
         "campaign \"" + campaign.name + '"',
         "has no recording to calibrate by: name a wand (\"wand\": {\"session\": …}), a ball at measured "
         "distances (\"stated_distances\") or a flat wall (\"walls\") in its campaign.json");
-  std::map<std::string, int> named;  // recordings of one name in several folders
-  for (Recording& recording : recordings)
-    if (const int times = ++named[recording.name]; times > 1)
-      recording.name = fmt::format("{} ({})", recording.name, times);
+  std::set<std::string> used;  // recordings may have one name in several folders
+  for (Recording& recording : recordings) recording.name = unused_name(recording.name, used);
   return recordings;
 }
 

@@ -84,7 +84,7 @@ struct WallRecording {
   TRILAT_FIELDS(simulated, rows)
 };
 
-// What the recordings of a study gave.
+// Outcomes of all recordings of a study.
 struct CalibrationRecordings {
   std::vector<WandRecording> wands;
   std::vector<WallRow> walls;

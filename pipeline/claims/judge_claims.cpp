@@ -124,8 +124,8 @@ std::vector<ClaimNumber> numbers_in(const auto& summary) {
   return numbers;
 }
 
-std::vector<ClaimNumber> numbers_of_results(const std::filesystem::path& folder) {
-  switch (results_kind(folder)) {
+std::vector<ClaimNumber> numbers_of_results(StudyKind kind, const std::filesystem::path& folder) {
+  switch (kind) {
     case StudyKind::accuracy:
       return claim_numbers(read_results<ResultsSummary>(folder));
     case StudyKind::threshold_sweep:
@@ -223,8 +223,8 @@ std::optional<PaperFindings> judge_paper(const std::vector<std::filesystem::path
   if (!findings.evidence.is_of_the_paper) return std::nullopt;
   std::vector<ClaimNumber> numbers;
   for (const std::filesystem::path& folder : results)
-    if (read_results_head(folder).paper != name_of(PaperStudy::none))
-      for (ClaimNumber& number : numbers_of_results(folder)) numbers.push_back(std::move(number));
+    if (const ResultsHead head = read_results_head(folder); head.paper != name_of(PaperStudy::none))
+      for (ClaimNumber& number : numbers_of_results(head.kind, folder)) numbers.push_back(std::move(number));
   findings.claims = judge_claims(paper_claims(), numbers);
   for (const ErratumEffect& effect : erratum_effects())
     for (const ClaimNumber& number : numbers)

@@ -18,7 +18,7 @@ namespace trilat {
 // The chance of a false verdict among all claims that are tested.
 inline constexpr double kFalseVerdicts = 0.05;
 
-// What the claims and errata of the paper are judged by, as the numbers of a study give it.
+// A study's numbers for the paper's claims and errata.
 std::vector<ClaimNumber> claim_numbers(const ResultsSummary& summary);
 std::vector<ClaimNumber> claim_numbers(const SweepSummary& summary);
 std::vector<ClaimNumber> claim_numbers(const ClocksSummary& summary);

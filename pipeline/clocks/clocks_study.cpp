@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <set>
 #include <span>
 
 #include <nlohmann/json.hpp>
@@ -45,20 +46,24 @@ struct Recording {
   fs::path session;
 };
 
+// Each session once, under a name of its own.
 std::vector<Recording> recordings_of(const Campaign& campaign) {
   std::vector<Recording> recordings;
-  for (const Take& take : campaign.takes)
-    if (!take.session.empty()) recordings.push_back({take.id, take.session});
-  std::vector<fs::path> others;
-  if (campaign.wand) others.push_back(campaign.wand->session);
-  for (const StatedDistances& stated : campaign.stated_distances) others.push_back(stated.session);
-  for (const FlatWall& wall : campaign.walls) others.push_back(wall.session);
-  for (const fs::path& session : others) {
+  std::set<std::string> names;
+  std::set<fs::path> sessions;
+  const auto add = [&](const std::string& name, const fs::path& session) {
+    if (!session.empty() && sessions.insert(session.lexically_normal()).second)
+      recordings.push_back({unused_name(name, names), session});
+  };
+  for (const Take& take : campaign.takes) add(take.id, take.session);
+  const auto add_other = [&](const fs::path& session) {
     const fs::path inside = campaign.folder.empty() ? session : fs::relative(session, campaign.folder);
-    recordings.push_back(
-        {inside.stem() == "session" ? inside.parent_path().generic_string() : inside.generic_string(),
-         session});
-  }
+    add(inside.stem() == "session" ? inside.parent_path().generic_string() : inside.generic_string(),
+        session);
+  };
+  if (campaign.wand) add_other(campaign.wand->session);
+  for (const StatedDistances& stated : campaign.stated_distances) add_other(stated.session);
+  for (const FlatWall& wall : campaign.walls) add_other(wall.session);
   if (recordings.empty())
     throw InputError("campaign \"" + campaign.name + '"',
                      "has no take with a session, whose clocks could be looked at");
@@ -99,7 +104,8 @@ Numbers machine_numbers(const ClockTrial& trial, const TrialErrors& errors, doub
   const auto within = std::ranges::count_if(offline_s, [&](double e) { return std::abs(e) <= limit_s; });
   if (trial.is_exact)
     add("clock_fit", "share_within_bound", share_of(static_cast<std::uint64_t>(within), frames), frames);
-  if (trial.clock.latency.ns <= 0) return numbers;  // nobody says how long a frame takes to its computer
+  // without a stated latency the time from exposure is not known
+  if (trial.clock.latency.ns <= 0) return numbers;
   std::vector<double> latency_s;
   for (const TrialFrame& f : trial.frames) latency_s.push_back((f.received - f.exposure).seconds());
   const auto in_time = std::ranges::count_if(latency_s, [&](double s) { return s <= late_s; });

@@ -12,8 +12,8 @@
 
 namespace trilat {
 
-// The paper's ranges of Table IV and the statistics that say how much lies in each. A duration below 11 ms
-// that is no clock error falls into one of the first three, which the paper counts as (0, 11).
+// A range of Table IV and the statistic that holds the share of frames in it. The paper counts processing
+// times below 11 ms as one range, (0, 11): here they are the first three.
 struct TimeRange {
   const char* share;
   double below_s;

@@ -192,7 +192,7 @@ std::string clock_effect(const ClocksSummary& s) {
       error_ms(s, "as printed, for the server's clock", "median"), error_ms(s, kCausal, "median"));
 }
 
-// What a live system reaches; nothing where no frame was timed by one.
+// One sentence on the error of live clocks; empty where no frame was timed by one.
 std::vector<std::string> findings(const ClocksSummary& s) {
   const Number* median = s.numbers.find({.method = kCausal, .measure = "clock_error", .statistic = "median"});
   if (!median) return {};

@@ -294,11 +294,12 @@ class Comparison {
   }
 
   void compare_other_kind(const ResultsPair& pair, StudyVerdict& verdict) {
-    const auto failed = [](const FoundResults& found) {
-      return found.summary.value("failed", std::vector<std::string>{});
+    const auto summary = [](const FoundResults& found) {
+      return JsonObject(found.summary, (found.folder / "summary.json").string(), "");
     };
-    const auto numbers = [](const FoundResults& found) {
-      return read_numbers(found.folder, found.summary.at("rows").get<std::size_t>());
+    const auto failed = [&](const FoundResults& found) { return summary(found).texts("failed", {}); };
+    const auto numbers = [&](const FoundResults& found) {
+      return read_numbers(found.folder, summary(found).count("rows"));
     };
     const std::vector<std::string> before = failed(pair.before), now = failed(pair.now);
     std::vector<std::string> fresh;

@@ -39,7 +39,7 @@ double compare_people(const std::string& study, const ErrorsByJoint& before, con
 // Corrects the chances of all findings that have one, and keeps those that are more than chance.
 void judge_chances(const GateLimits& limits, GateReport& report);
 
-// What becomes of numbers that changed by more than their limits.
+// How compare_numbers() treats numbers that changed by more than their limits.
 enum class NumberRule : std::uint8_t {
   judge,      // worse is an alarm, and so is a number that is gone
   list,       // all are listed: the recordings are others

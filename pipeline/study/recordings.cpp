@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/study/recordings.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace trilat {
@@ -35,6 +36,12 @@ Json resolved_recordings_study(RecordingsStudy study, const std::string& kind,
   settings.choice("paper", study.paper, kPaperStudies, kPaperStudyMeaning);
   tell(settings);
   return json;
+}
+
+std::string unused_name(const std::string& name, std::set<std::string>& used) {
+  std::string unused = name;
+  for (int number = 2; !used.insert(unused).second; ++number) unused = fmt::format("{} ({})", name, number);
+  return unused;
 }
 
 Json hashed_inputs(const std::vector<RecordingFile>& files, HashCache& hashes,

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct RecordingFile {
   std::string take, role;
   std::filesystem::path file;
 };
+
+// The name, or "NAME (2)" and so on where `used` has it; `used` has the result then.
+std::string unused_name(const std::string& name, std::set<std::string>& used);
 
 // The files as inputs of a manifest, each with its bytes and hash.
 Json hashed_inputs(const std::vector<RecordingFile>& files, HashCache& hashes,

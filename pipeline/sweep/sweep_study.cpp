@@ -159,7 +159,7 @@ SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, 
   for (const SweepSetting& setting : spec.cells) s.cells.push_back({setting});
   for (std::size_t i = 0; i < items.size(); ++i) {
     const Outcome& outcome = run.outcome(i);
-    s.numbers.add(read_numbers(outcome.folder, outcome.json.at("rows").get<std::size_t>()));
+    s.numbers.add(read_numbers(outcome.folder, JsonObject(outcome.json, outcome.place(), "").count("rows")));
   }
   add_interpretations(s);
   return s;

@@ -308,7 +308,7 @@ TEST(CalibrateWandVerb, PosesFromTwoPositionsAreTiedToTheExport) {
   }
 }
 
-// As printed the trajectory's axis is y; the option names another.
+// The paper's axis of the trajectory is y; --trajectory-axis names another.
 TEST(CalibrateWandVerb, TheTrajectorysAxisIsTheOneThatIsNamed) {
   const ScratchFolder folder;
   record_wand(folder / "wand.h5", rig_of(2));

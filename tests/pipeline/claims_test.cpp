@@ -175,7 +175,7 @@ TEST(Claims, MethodsAreComparedByPencil) {
   EXPECT_NEAR(number.compared, 1.0, 1e-12);
 }
 
-// What claims are judged by stands in numbers.csv, with how many of the samples both methods answer.
+// numbers.csv holds the number of each claim, and the share of samples that both of its methods answer.
 TEST(Claims, TheirNumbersAreNumbersOfTheStudy) {
   MadeStudy study("table3", {"head", "shoulder_left", "elbow_left", "wrist_right"}, {"nonlinear", "linear"});
   for (const char* who : {"a", "b", "c"})

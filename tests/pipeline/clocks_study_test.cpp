@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/clocks/clocks_study.h"
 
+#include <set>
+
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
@@ -103,6 +105,24 @@ TEST(ClocksStudy, WhatHasNoExchangesIsNamedAndOneThatHasGoesOn) {
   campaign.takes.erase(campaign.takes.begin());
   EXPECT_THAT(message_of([&] { summary_of(folder / "other", campaign); }),
               HasSubstr("has no clock exchanges"));
+}
+
+// One session that is a wand's and a ball's at stated distances, and a take that has its folder's name.
+TEST(ClocksStudy, ASessionCountsOnceAndRecordingsOfOneNameAreToldApart) {
+  const ScratchFolder folder;
+  Campaign campaign = simulate_into(folder / "c", walking_spec(2, 3.0));
+  Take& take = campaign.takes[1];
+  std::filesystem::create_directories(folder / "c/wand");
+  std::filesystem::copy(take.session.parent_path(), folder / "c/wand",
+                        std::filesystem::copy_options::recursive);
+  campaign.wand.emplace().session = folder / "c/wand/session.h5";
+  campaign.stated_distances.emplace_back().session = folder / "c/wand/session.h5";
+  take.id = "wand";
+  const ClocksSummary summary = summary_of(folder / "out", campaign);
+  EXPECT_EQ(summary.recordings, 3u);
+  std::set<std::string> takes;
+  for (const NumberKey& computer : computers(summary)) takes.insert(computer.take);
+  EXPECT_THAT(takes, testing::ElementsAre("p01-walking", "wand", "wand (2)"));
 }
 
 TEST(ClocksVerb, RunsOnACampaignAndRefusesTheStudyItReplaces) {

@@ -298,7 +298,18 @@ TEST(Gate, NumbersOfAnotherKindAreAnAlarmWhereTheyAreWorse) {
   EXPECT_EQ(found(0.001, kNoNumber).alarms(), 1u);  // a number that is gone
 }
 
-// Whether other recordings are worse cannot be told from one number of each night.
+TEST(Gate, ASummaryThatWasEditedIsRefusedWithItsPlace) {
+  ScratchFolder folder;
+  write_clocks(folder / "before", 0.001, 0.5);
+  write_clocks(folder / "now", 0.002, 0.5);
+  Json summary = read_json(folder / "now/summary.json");
+  summary.erase("rows");
+  write_file(folder / "now/summary.json", summary.dump());
+  EXPECT_THAT(message_of([&] { compare_results(folder / "now", folder / "before"); }),
+              AllOf(HasSubstr("now/summary.json"), HasSubstr("rows")));
+}
+
+// One number a night has no spread, so other recordings cannot be judged by it.
 TEST(Gate, AnotherKindOnOtherRecordingsIsNotJudged) {
   ScratchFolder folder;
   write_clocks(folder / "before", 0.001, 0.5);

@@ -42,7 +42,8 @@ TEST(GateUnjudged, OtherRecordingsOfTwoParticipantsWithTheSameNumbersAreQuiet) {
   EXPECT_EQ(nights.gate().code, 0);
 }
 
-// What can be found is said of methods that changed: an unchanged one has no spread.
+// The smallest change that would be found is computed from methods that changed: an unchanged one has no
+// spread.
 TEST(GateUnjudged, WhatCanBeFoundIsOfTheMethodsThatChanged) {
   ErrorsByJoint before{{"walking"}, {"a", "b", "c"}, {"head", "wrist"}, {}};
   for (int p = 0; p < 10; ++p)

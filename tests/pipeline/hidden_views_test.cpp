@@ -49,7 +49,7 @@ TEST(HiddenViews, AreThoseThatATrackerWhichKnowsThemInfers) {
   EXPECT_THAT(ids, testing::Contains("rules"));
 }
 
-// A rule is judged where the joint is seen: a sensor that sees nobody has no part in it.
+// Rules are judged by the views that see the joint, so a sensor that sees nobody adds no view.
 TEST(HiddenViews, RulesAreJudgedByTheViewsThatSeeTheJoint) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "c", swinging_spec());
