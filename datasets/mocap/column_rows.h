@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/mocap/column_header.h"
 #include "datasets/mocap/line_reader.h"
-#include "datasets/mocap/motive_header.h"
 
 namespace trilat {
 

@@ -15,11 +15,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/text_output.h"
+#include "datasets/mocap/column_header.h"
 #include "datasets/mocap/column_rows.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
-#include "datasets/mocap/motive_header.h"
-#include "datasets/mocap/trc_header.h"
 
 namespace trilat {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/motive_header.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,6 +7,7 @@
 #include <tuple>
 
 #include "datasets/base/error.h"
+#include "datasets/mocap/column_header.h"
 #include "datasets/mocap/csv_cell.h"
 #include "datasets/mocap/line_reader.h"
 

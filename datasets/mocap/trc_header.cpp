@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/trc_header.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/mocap/column_header.h"
 #include "datasets/mocap/csv_cell.h"
 
 namespace trilat {

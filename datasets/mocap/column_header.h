@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,5 +45,17 @@ ColumnHeader read_motive_header(LineReader& lines, std::string_view first_line);
 ColumnLayout read_motive_columns(const std::vector<std::vector<std::string>>& rows,
                                  const std::vector<std::string>& axes, const std::string& place,
                                  MocapHeader& header);
+
+bool is_trc(std::string_view first_line);
+
+// The header of a TRC as OpenSim, Pose2Sim and OpenCap write it, of which `first_line` has been read already;
+// the next line is then the first of the data. The row of names says which markers there are and where; the
+// other rows are asked for rate, unit and count alone. Axes stay as they are. InputError with the line where
+// something is missing or contradictory.
+ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line);
+
+// Holds the header's rate against the times of the first rows: where they differ by more than rounding, or no
+// rate is stated, the times count, and `taken_as` says so. InputError where there is neither.
+void settle_trc_rate(const std::filesystem::path& path, MocapHeader& header);
 
 }  // namespace trilat
