@@ -136,7 +136,7 @@ SyntheticSetup setup_of(const SyntheticRequest& request) {
     setup.simulation.rig.heights_m[s] = heights_m[s % heights_m.size()];
   setup.item = {request.seed, 0, 0};
   const Person person =
-      draw_person(request.seed, 0, setup.simulation.stature_mean_m, setup.simulation.stature_half_range_m);
+      draw_person(request.seed, 0, setup.simulation.stature.mean_m, setup.simulation.stature.half_range_m);
   setup.motion = generated_motion(person, Activity::walking);
   if (request.depth == SyntheticRequest::Depth::wand) {
     setup.wand.emplace(WandMotionSpec{}, request.seed, kRigCentre_m, person);

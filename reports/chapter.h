@@ -16,7 +16,7 @@ namespace trilat {
 struct Chapter {
   Provenance provenance;
   std::filesystem::path results;
-  std::string paper = {};  // of kPaperStudies
+  std::string paper = {};  // of words<PaperStudy>
   std::string asked = {};  // the study's question
   std::string title;       // "table3 on paper campaign"
   std::string

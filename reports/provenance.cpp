@@ -18,40 +18,40 @@ std::string scalar_text(const Json& json, const std::string& key) {
   return found->is_number_float() ? fmt::format("{:.1f}", found->get<double>()) : found->dump();
 }
 
-void read_inputs(JsonObject& manifest, Provenance& provenance) {
-  if (!manifest.has("inputs")) return;
-  for (JsonObject& input : manifest.objects("inputs")) {
-    InputFile file{input.text("take"), input.text("role"), input.text("file"), {}};
-    if (!input.value("sha256").is_null()) file.sha256 = input.text("sha256");
-    provenance.inputs.push_back(std::move(file));
-  }
+void read_manifest_into(const std::filesystem::path& results, const std::string& campaign, Provenance& p) {
+  const Manifest manifest = read_manifest(results);
+  check_same_run(manifest, name_of(p.kind), p.study, campaign);
+  p.program = manifest.program;
+  p.campaign = campaign;
+  p.config = json_text(manifest.settings, 1);
+  p.seed = scalar_text(manifest.settings, "seed");
+  p.study_sha256 = manifest.study_sha256;
+  p.calibration = manifest.calibration;
+  p.rig = manifest.rig;
+  p.inputs = manifest.inputs;
 }
 
-void read_manifest(const std::filesystem::path& path, const std::string& campaign, Provenance& p) {
-  const Json json = read_json(path);
-  JsonObject manifest(json, path.string(), "");
-  check_format(manifest, "trilat.manifest", 2);
-  p.program = manifest.text("program");
-  check_same_run(manifest, p.kind, p.study, campaign);
-  p.campaign = campaign;
-  const Json again = json.at("study");
-  p.config = json_text(again, 1);
-  p.seed = scalar_text(again, "seed");
-  p.study_sha256 = scalar_text(json, "study_sha256");
-  p.calibration = manifest.text("calibration", "");
-  if (manifest.has("rig")) p.rig = manifest.texts("rig");
-  read_inputs(manifest, p);
-}
+// What run.json says of the machine and the run.
+struct RunRecord {
+  static constexpr bool kHasMore = true;
+  Provenance& p;
+  std::string verb = {};
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.run");
+    f("processor", self.p.processor);
+    f("compiler", self.p.compiler, kMayLack);
+    f("verb", self.verb, kMayLack);
+  }
+};
 
 void read_run_record(const std::filesystem::path& path, Provenance& p) {
+  RunRecord run{p};
   const Json json = read_json(path);
-  JsonObject run(json, path.string(), "");
-  check_format(run, "trilat.run", 1);
-  p.processor = run.text("processor");
-  p.compiler = run.text("compiler", "");
+  read_document(json, {path}, run);
   p.threads = scalar_text(json, "threads");
   p.wall_s = scalar_text(json, "wall_s");
-  p.is_compared = run.text("verb", "") == "compare";
+  p.is_compared = run.verb == "compare";
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ Provenance read_provenance(const std::filesystem::path& results, StudyKind kind,
   provenance.study = study;
   provenance.campaign = campaign;
   if (const auto path = results / "manifest.json"; std::filesystem::exists(path))
-    read_manifest(path, campaign, provenance);
+    read_manifest_into(results, campaign, provenance);
   if (const auto path = results / "run.json"; std::filesystem::exists(path))
     read_run_record(path, provenance);
   return provenance;
@@ -88,7 +88,7 @@ std::string commands_of(const Provenance& p) {
   const std::string folder = usable_id(p.folder);
   if (p.is_compared) {
     std::string files, mapping;
-    for (const InputFile& input : p.inputs)
+    for (const Manifest::Input& input : p.inputs)
       (input.role == "mapping" ? mapping : files) +=
           (input.role == "mapping" ? " --mapping " : " ") + input.file;
     return fmt::format("trilat compare{}{} -o {}\ntrilat report {} -o report", files, mapping, folder,

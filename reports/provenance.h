@@ -6,15 +6,11 @@
 #include <vector>
 
 #include "datasets/results/declared_parameters.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/table.h"
 
 namespace trilat {
-
-// A file that went into results.
-struct InputFile {
-  std::string take, role, file, sha256;  // sha256 is empty when it could not be read
-};
 
 // Inputs of a results folder, from its manifest.json, and where it was computed, from run.json. Texts are
 // empty where those files do not say.
@@ -26,7 +22,7 @@ struct Provenance {
   std::string calibration;  // the file that was given instead of the takes' own
   std::string config;       // the resolved study as JSON
   std::vector<std::string> rig;
-  std::vector<InputFile> inputs;
+  std::vector<Manifest::Input> inputs;
   std::string processor, threads, compiler, wall_s;
   bool is_compared = false;  // by `trilat compare`, without a study and a campaign
 };

@@ -130,12 +130,7 @@ bool lies_in(const fs::path& folder, const fs::path& path) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
-fs::path path_of(JsonObject& object, const std::string& key, const fs::path& folder) {
-  const std::string path = object.text(key);
-  if (path.empty()) object.refuse(key, "must name a file");
-  if (is_special(folder / path)) object.refuse(key, "\"" + path + "\" is a device, a pipe or a socket");
-  return folder / path;
-}
+bool is_special_file(const fs::path& path) { return is_special(path); }
 
 FolderLock::FolderLock(const std::filesystem::path& folder) : name_(folder.string() + ".lock") {
   for (;;) {

@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "datasets/base/strict_json.h"
-
 namespace trilat {
 
 // Writes text beside `path`, syncs it and renames it into place: the final name never shows half a file,
@@ -40,10 +38,8 @@ bool is_plain_name(std::string_view text);
 // Whether `path` is `folder` or below it, by their names alone.
 bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& path);
 
-// The path under `key` of a document in `folder`, which relative paths begin at; InputError with the pointer
-// when it is empty or names a device, a pipe or a socket.
-std::filesystem::path path_of(JsonObject& object, const std::string& key,
-                              const std::filesystem::path& folder);
+// Whether the path names a device, a pipe or a socket.
+bool is_special_file(const std::filesystem::path& path);
 
 // Held by the process that fills a folder; of a process that ends anyhow the system takes it away. The lock
 // is `folder`.lock: beside the folder, so that it is never part of an output.

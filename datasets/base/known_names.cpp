@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,6 +46,13 @@ std::string sorted_parts(std::string_view word) {
 
 std::string listed(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string first_repeated(const std::vector<std::string>& texts) {
+  std::set<std::string> seen;
+  for (const std::string& text : texts)
+    if (!seen.insert(text).second) return text;
+  return {};
 }
 
 std::string nearest_name(std::string_view word, const std::vector<std::string>& known) {

@@ -10,6 +10,9 @@ namespace trilat {
 // "a, b, c".
 std::string listed(const std::vector<std::string>& names);
 
+// The first text that an earlier one equals; empty when all differ.
+std::string first_repeated(const std::vector<std::string>& texts);
+
 // The known name that is nearest to a word that was mistyped, by letters put in, left out, changed or
 // exchanged (Damerau 1964); empty when none is near.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& known);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/document.h"
 #include "datasets/geometry/rigid_transform.h"
 
 namespace trilat {
@@ -28,6 +28,9 @@ struct SensorPose {
   double residual_rms_m = 0.0;
   std::uint64_t used = 0;
   std::uint64_t left_out = 0;
+
+  static void fields(SensorPose& self, Fields& f);
+  void check(const JsonPlace& place) const;
 };
 
 // A measurement that disagreed with all others.
@@ -36,12 +39,24 @@ struct RejectedSighting {
   std::uint64_t position = 0;                     // from 1, in the order of time
   double time_s = 0.0;                            // since the recording's first frame
   std::optional<double> off_by_m = std::nullopt;  // from where the others put it; empty where two disagree
+
+  static void fields(auto& self, auto&& f) {
+    f("sensor", self.sensor, need("that saw the wand"));
+    f("position", self.position, need("number of the place"));
+    f("time_s", self.time_s, need("in the session"));
+    f("off_by_m", self.off_by_m, opt("from where the others put it", kNotNegative));
+  }
 };
 
 // What a calibration was made from.
 struct CalibrationSource {
   std::string file;
   std::string sha256;
+
+  static void fields(auto& self, auto&& f) {
+    f("file", self.file, need("session or other input"));
+    f("sha256", self.sha256, need("of its content"));
+  }
 };
 
 // The method of poses that a simulation knows.
@@ -60,6 +75,20 @@ struct Calibration {
   std::vector<RejectedSighting> rejected = {};
   std::vector<CalibrationSource> sources = {};
   std::string program = {};
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.calibration");
+    f("method", self.method, need("how the sensors were calibrated"));
+    f("world", self.world, opt("whose frame the positions are in"));
+    f("simulated", self.simulated, opt("every table says so"));
+    f("sensors", self.sensors, need("with their poses").items(1));
+    if (f.writes_if(self.positions > 0)) f("positions", self.positions, opt("of the wand"));
+    f("reduced_chi2", self.reduced_chi2, opt("of the refinement", kNotNegative));
+    if (f.writes_if(!self.rejected.empty())) f("rejected", self.rejected, opt("sightings"));
+    if (f.writes_if(!self.sources.empty())) f("sources", self.sources, opt("what it was computed from"));
+    if (f.writes_if(!self.program.empty())) f("program", self.program, opt("version that wrote it"));
+  }
+  void check(const JsonPlace& place) const;
 };
 
 // The method of eq. 7 as printed, which leaves every sensor at the origin (erratum E5).
@@ -68,9 +97,7 @@ inline constexpr const char* kWithoutTranslation = "two positions, as printed";
 // Refuses what cannot be: sensors named twice or in one place (unless kWithoutTranslation), quaternions that
 // are not unit (beyond 1e-3), positions beyond 100 m, covariances that are none.
 Calibration read_calibration(const std::filesystem::path& path);
-Calibration parse_calibration(const Json& json, const std::string& place);
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
-Json calibration_json(const Calibration& calibration);
 
 // The pose of `name`; InputError at `place` listing the calibrated sensors.
 const SensorPose& pose_of(const Calibration& calibration, const std::string& name, const std::string& place);

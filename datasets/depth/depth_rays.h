@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/document.h"
 #include "datasets/geometry/depth_camera.h"
 
 namespace trilat {
@@ -24,6 +25,12 @@ struct AxialNoise {
   double square_mm = 0.3;
   double angle_mm = 0.1;
 
+  static void fields(auto& self, auto&& f) {
+    f("level_mm", self.level_mm, opt("constant part", {-100.0, 100.0}));
+    f("slope_mm", self.slope_mm, opt("for a metre of depth", {-100.0, 100.0}));
+    f("square_mm", self.square_mm, opt("for a square metre", {-100.0, 100.0}));
+    f("angle_mm", self.angle_mm, opt("with the angle to the surface", {-100.0, 100.0}));
+  }
   double sigma_m(double depth_m, double angle_rad) const {
     const double share = angle_rad / (std::numbers::pi / 2.0 - angle_rad);
     return 1e-3 * (level_mm + slope_mm * depth_m + square_mm * depth_m * depth_m +

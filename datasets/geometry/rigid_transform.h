@@ -24,16 +24,11 @@ struct RigidTransform {
     return {back, -(back * translation_m)};
   }
 
-  // As numbers (described.h): the quaternion's w, x, y, z, and metres.
-  static constexpr bool as_list = true;
-  static void fields(auto& self, auto&& field) {
-    field("w", self.rotation.w());
-    field("qx", self.rotation.x());
-    field("qy", self.rotation.y());
-    field("qz", self.rotation.z());
-    field("x", self.translation_m.x());
-    field("y", self.translation_m.y());
-    field("z", self.translation_m.z());
+  // As a list of numbers: the quaternion's w, x, y, z, and metres.
+  static constexpr bool kIsList = true;
+  static void fields(auto& self, auto&& f) {
+    auto &q = self.rotation.coeffs(), &p = self.translation_m;
+    f("w", q[3], "qx", q[0], "qy", q[1], "qz", q[2], "x", p[0], "y", p[1], "z", p[2]);
   }
 };
 

@@ -12,8 +12,7 @@ namespace {
 template <Described T>
 T read_printed(const char* text, const std::string& name) {
   const std::string place = "datasets/paper/" + name;
-  const Json json = parse_json(text, place);
-  return read_as<T>(JsonObject(json, place, ""));
+  return read_as<T>(parse_json(text, place), {place});
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 
 namespace trilat {
 
@@ -18,12 +18,17 @@ struct PrintedTable1 {
     std::vector<double> error_cm;  // by range
     std::vector<double> time_us;   // by range
     bool time_is_below = false;    // printed as "<" that time
-    TRILAT_FIELDS(threshold, error_cm, time_us, time_is_below)
+    static void fields(auto& self, auto&& f) {
+      f("threshold", self.threshold, "error_cm", self.error_cm, "time_us", self.time_us, "time_is_below",
+        self.time_is_below);
+    }
   };
   std::string source, metric;
   std::vector<std::array<double, 2>> ranges_cm;
   std::vector<Row> rows;
-  TRILAT_FIELDS(source, metric, ranges_cm, rows)
+  static void fields(auto& self, auto&& f) {
+    f("source", self.source, "metric", self.metric, "ranges_cm", self.ranges_cm, "rows", self.rows);
+  }
 };
 
 PrintedTable1 printed_table1();
@@ -34,12 +39,14 @@ struct PrintedTable3 {
   struct Row {
     std::string group;           // head, shoulder, elbow, wrist, average
     std::vector<double> mae_cm;  // by method
-    TRILAT_FIELDS(group, mae_cm)
+    static void fields(auto& self, auto&& f) { f("group", self.group, "mae_cm", self.mae_cm); }
   };
   std::string source, metric;
   std::vector<std::string> methods;  // linear, geometric, nonlinear
   std::vector<Row> rows;
-  TRILAT_FIELDS(source, metric, methods, rows)
+  static void fields(auto& self, auto&& f) {
+    f("source", self.source, "metric", self.metric, "methods", self.methods, "rows", self.rows);
+  }
 };
 
 PrintedTable3 printed_table3();
@@ -64,9 +71,14 @@ struct PrintedCalibration {
   int wall_frames = 0;
   std::vector<std::array<double, 2>> worse_columns;  // as printed: the last ends beyond the image
   std::string worse;                                 // how the paper calls the error there
-  TRILAT_FIELDS(source, metric, samples, recommended_m, recommended_below_deg, recommended_samples,
-                recommended_mean_cm, recommended_spread_cm, near_m, near_valid_percent, wall_m, wall_frames,
-                worse_columns, worse)
+  static void fields(auto& self, auto&& f) {
+    f("source", self.source, "metric", self.metric, "samples", self.samples, "recommended_m",
+      self.recommended_m, "recommended_below_deg", self.recommended_below_deg, "recommended_samples",
+      self.recommended_samples, "recommended_mean_cm", self.recommended_mean_cm, "recommended_spread_cm",
+      self.recommended_spread_cm, "near_m", self.near_m, "near_valid_percent", self.near_valid_percent,
+      "wall_m", self.wall_m, "wall_frames", self.wall_frames, "worse_columns", self.worse_columns, "worse",
+      self.worse);
+  }
 };
 
 PrintedCalibration printed_calibration();
@@ -78,11 +90,16 @@ struct PrintedTable2 {
     std::string condition;  // our activity
     std::vector<std::string> groups;
     double with_cm = 0.0, without_cm = 0.0;
-    TRILAT_FIELDS(part, condition, groups, with_cm, without_cm)
+    static void fields(auto& self, auto&& f) {
+      f("part", self.part, "condition", self.condition, "groups", self.groups, "with_cm", self.with_cm,
+        "without_cm", self.without_cm);
+    }
   };
   std::string source, metric;
   std::vector<Row> rows;
-  TRILAT_FIELDS(source, metric, rows)
+  static void fields(auto& self, auto&& f) {
+    f("source", self.source, "metric", self.metric, "rows", self.rows);
+  }
 };
 
 PrintedTable2 printed_table2();
@@ -94,14 +111,21 @@ struct PrintedTable4 {
     double from_ms = 0.0, to_ms = 0.0;  // the first has no end: NaN
     std::uint64_t frames = 0;           // by processing time
     std::uint64_t clock_samples = 0;    // by clock error
-    TRILAT_FIELDS(from_ms, to_ms, frames, clock_samples)
+    static void fields(auto& self, auto&& f) {
+      f("from_ms", self.from_ms, "to_ms", self.to_ms, "frames", self.frames, "clock_samples",
+        self.clock_samples);
+    }
   };
   std::string source;
   std::uint64_t frames = 0, clients = 0;
   std::vector<Row> rows;
   std::uint64_t lost_frames = 0;
   double real_time_percent = 0.0, below_2ms_percent = 0.0;  // of the text
-  TRILAT_FIELDS(source, frames, clients, rows, lost_frames, real_time_percent, below_2ms_percent)
+  static void fields(auto& self, auto&& f) {
+    f("source", self.source, "frames", self.frames, "clients", self.clients, "rows", self.rows, "lost_frames",
+      self.lost_frames, "real_time_percent", self.real_time_percent, "below_2ms_percent",
+      self.below_2ms_percent);
+  }
 };
 
 PrintedTable4 printed_table4();
@@ -111,11 +135,14 @@ struct PrintedErrata {
   struct Erratum {
     std::string id, where, printed, problem, corrected;
     bool changes_results = true;  // false: of the text or of a printed table alone
-    TRILAT_FIELDS(id, where, printed, problem, corrected, changes_results)
+    static void fields(auto& self, auto&& f) {
+      f("id", self.id, "where", self.where, "printed", self.printed, "problem", self.problem, "corrected",
+        self.corrected, "changes_results", self.changes_results);
+    }
   };
   std::string source;
   std::vector<Erratum> errata;
-  TRILAT_FIELDS(source, errata)
+  static void fields(auto& self, auto&& f) { f("source", self.source, "errata", self.errata); }
 };
 
 PrintedErrata printed_errata();

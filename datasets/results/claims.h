@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {

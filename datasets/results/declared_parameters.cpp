@@ -7,9 +7,12 @@ namespace trilat {
 namespace {
 
 struct Parameters {
-  static constexpr const char *kFile = "simulator.json", *kFormat = "trilat.simulator";
+  static constexpr const char* kFile = "simulator.json";
   std::vector<DeclaredParameter> parameters;
-  TRILAT_FIELDS(parameters)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.simulator");
+    f("parameters", self.parameters);
+  }
 };
 
 }  // namespace

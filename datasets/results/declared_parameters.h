@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 
 namespace trilat {
 
@@ -14,7 +14,9 @@ struct DeclaredParameter {
   std::string name, value, unit, source;
   bool operator==(const DeclaredParameter&) const = default;
 
-  TRILAT_FIELDS(name, value, unit, source)
+  static void fields(auto& self, auto&& f) {
+    f("name", self.name, "value", self.value, "unit", self.unit, "source", self.source);
+  }
 };
 
 // The source of a value that is not the declared default.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 
 namespace trilat {
 
@@ -16,7 +16,9 @@ struct FigurePoint {
   double x = 0.0, y = 0.0;
   double low = kNone, high = kNone;  // an interval about y
 
-  TRILAT_FIELDS(x, y, low, high)
+  static void fields(auto& self, auto&& f) {
+    f("x", self.x, "y", self.y, "low", self.low, "high", self.high);
+  }
 };
 
 struct FigureSeries {
@@ -30,18 +32,21 @@ struct FigureSeries {
   std::uint64_t panel = 0;  // of the figure's panels
   bool hollow = false;      // marks without filling: what the paper prints
 
-  TRILAT_FIELDS(name, style, points, group, method, panel, hollow)
+  static void fields(auto& self, auto&& f) {
+    f("name", self.name, "style", self.style, "points", self.points, "group", self.group, "method",
+      self.method, "panel", self.panel, "hollow", self.hollow);
+  }
 };
 
 template <>
-inline constexpr int kEnumValues<FigureSeries::Style> = 4;
+inline constexpr std::array words<FigureSeries::Style>{"dots", "line", "line_and_dots", "band"};
 
 // A part of the x axis, shaded; those of one name share a legend entry.
 struct FigureBand {
   double from = 0.0, to = 0.0;
   std::string name;
 
-  TRILAT_FIELDS(from, to, name)
+  static void fields(auto& self, auto&& f) { f("from", self.from, "to", self.to, "name", self.name); }
 };
 
 // A dashed horizontal line.
@@ -49,13 +54,13 @@ struct FigureLine {
   double y = 0.0;
   std::string label;
 
-  TRILAT_FIELDS(y, label)
+  static void fields(auto& self, auto&& f) { f("y", self.y, "label", self.label); }
 };
 
 // As articles print them: 85 and 178 mm, with letters of 8 pt.
 enum class FigureWidth : std::uint8_t { column, page };
 template <>
-inline constexpr int kEnumValues<FigureWidth> = 2;
+inline constexpr std::array words<FigureWidth>{"column", "page"};
 
 // A figure as data, defined once; pictures are drawn from it and never compute. The title is for what stands
 // around the picture: it is not drawn.
@@ -75,16 +80,23 @@ struct Figure {
   bool is_first = false;     // of those that answer the study's question
   std::string printed = {};  // "table3": which numbers of the paper belong beside
 
-  TRILAT_FIELDS(id, title, caption, x_label, y_label, log_x, log_y, width, x_names, y_names, panels, series,
-                bands, lines, is_first, printed)
+  static void fields(auto& self, auto&& f) {
+    f("id", self.id, "title", self.title, "caption", self.caption, "x_label", self.x_label, "y_label",
+      self.y_label, "log_x", self.log_x, "log_y", self.log_y, "width", self.width, "x_names", self.x_names,
+      "y_names", self.y_names, "panels", self.panels, "series", self.series, "bands", self.bands, "lines",
+      self.lines, "is_first", self.is_first, "printed", self.printed);
+  }
 };
 
 // figures.json, beside a study's summary.json.
 struct StoredFigures {
-  static constexpr const char *kFile = "figures.json", *kFormat = "trilat.figures";
+  static constexpr const char* kFile = "figures.json";
   std::vector<Figure> figures;  // those that answer the study's question first
 
-  TRILAT_FIELDS(figures)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.figures");
+    f("figures", self.figures);
+  }
 };
 
 // Under which name a series stands in the legend.

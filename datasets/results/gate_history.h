@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 
 namespace trilat {
 
@@ -44,7 +44,7 @@ inline constexpr const char* kHistoryHeader = "time,program,verdict,reason,alarm
 
 // Why a baseline is what it is: accepted.json in its folder.
 struct AcceptedBaseline {
-  static constexpr const char *kFile = "accepted.json", *kFormat = "trilat.accepted";
+  static constexpr const char* kFile = "accepted.json";
   std::string reason;
   std::string time;             // UTC, ISO 8601
   std::string program;          // that accepted it
@@ -52,7 +52,11 @@ struct AcceptedBaseline {
   std::string replaces_sha256;  // of the baseline before; empty: there was none
   std::string replaces_time;    // when that one had been accepted; empty when not known
 
-  TRILAT_FIELDS(reason, time, program, sha256, replaces_sha256, replaces_time)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.accepted");
+    f("reason", self.reason, "time", self.time, "program", self.program, "sha256", self.sha256,
+      "replaces_sha256", self.replaces_sha256, "replaces_time", self.replaces_time);
+  }
 };
 
 }  // namespace trilat

@@ -14,7 +14,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
@@ -43,31 +42,19 @@ int locked(const fs::path& folder) {
   return -1;
 }
 
-Json read_manifest(const fs::path& results) {
-  const fs::path path = results / "manifest.json";
-  Json json = read_json(path);
-  JsonObject manifest(json, path.string(), "");
-  check_format(manifest, "trilat.manifest", 2);
-  return json;
-}
-
 }  // namespace
 
-void StoredItem::check(const JsonObject& object) const {
+void StoredItem::check(const JsonPlace& place) const {
   for (const auto& [name, size] : bytes)
-    if (!is_plain_name(name)) object.refuse_below("files/" + name, "is not a file name");
+    if (!is_plain_name(name)) place.at("files").at(name).refuse("is not a file name");
 }
 
 std::optional<StoredItem> ItemStore::find(const std::string& key) const {
   const fs::path path = folder(key) / kItemFile;
   if (!fs::exists(folder(key))) return std::nullopt;
-  const Json json = parse_json(read_file(path, kMaxItemBytes), path.string());
-  JsonObject object(json, path.string(), "");
-  check_format(object, "trilat.item", 2);
-  std::optional<StoredItem> item(std::in_place);
-  read_fields(object, *item);
-  if (item->key != key) object.refuse("key", "is another than the name of its folder");
-  for (const auto& [name, bytes] : item->bytes) {
+  const auto item = read_as<StoredItem>(parse_json(read_file(path, kMaxItemBytes), path.string()), {path});
+  if (item.key != key) JsonPlace(path).at("key").refuse("is another than the name of its folder");
+  for (const auto& [name, bytes] : item.bytes) {
     std::error_code error;
     if (fs::file_size(folder(key) / name, error) != bytes || error)
       throw InputError((folder(key) / name).string(), "is not whole");
@@ -78,9 +65,7 @@ std::optional<StoredItem> ItemStore::find(const std::string& key) const {
 void ItemStore::put(const fs::path& made, StoredItem item) const {
   for (const fs::directory_entry& entry : fs::directory_iterator(made))
     item.bytes[entry.path().filename().string()] = entry.file_size();
-  Json json{{"format", "trilat.item"}, {"version", 2}};
-  json.update(json_of(item));
-  write_unsynced(made / kItemFile, json_text(json, -1) + '\n');
+  write_unsynced(made / kItemFile, json_text(json_of(item), -1) + '\n');
   const fs::path place = folder(item.key);
   std::error_code error;
   fs::rename(made, place, error);
@@ -133,23 +118,36 @@ ItemStore::Aside::~Aside() {
   if (folder_ >= 0) ::close(folder_);
 }
 
-std::map<std::string, std::string> read_item_keys(const fs::path& results) {
-  const Json json = read_manifest(results);
-  JsonObject manifest(json, (results / "manifest.json").string(), "");
-  JsonObject items = manifest.object("items");
-  std::map<std::string, std::string> keys;
-  for (const std::string& id : items.keys()) keys[id] = items.value(id).is_null() ? "" : items.text(id);
-  return keys;
+Manifest read_manifest(const fs::path& results) {
+  const JsonPlace place(results / "manifest.json");
+  auto manifest = read_as<Manifest>(read_json(place.file), place);
+  manifest.place = place;
+  return manifest;
+}
+
+void check_same_run(const Manifest& manifest, const std::string& kind, const std::string& study,
+                    const std::string& campaign) {
+  const auto same = [](const JsonPlace& place, const std::string& found, const std::string& wanted) {
+    if (found != wanted)
+      place.refuse(
+          fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
+                      "parts of two runs; run the study again",
+                      found, wanted));
+  };
+  same(manifest.place.at("study").at("kind"), manifest.study.kind, kind);
+  same(manifest.place.at("study").at("name"), manifest.study.name, study);
+  if (!manifest.campaign.empty() && !campaign.empty())
+    same(manifest.place.at("campaign"), manifest.campaign, campaign);
 }
 
 std::string unfinished_results(const fs::path& results) {
   if (fs::exists(results / "summary.json") || !fs::exists(results / "manifest.json")) return "";
   const ItemStore store(results);
-  const auto keys = read_item_keys(results);
+  const auto keys = read_manifest(results).items;
   std::size_t there = 0, known = 0;
   for (const auto& [id, key] : keys) {
-    known += key.empty() ? 0 : 1;
-    there += !key.empty() && fs::exists(store.folder(key)) ? 1 : 0;
+    known += key ? 1 : 0;
+    there += key && fs::exists(store.folder(*key)) ? 1 : 0;
   }
   if (known < keys.size()) there = std::min(store.size(), keys.size());  // shards know their own alone
   return fmt::format("is unfinished: {} of {} items are there; `trilat run` as before goes on from them",
@@ -158,19 +156,17 @@ std::string unfinished_results(const fs::path& results) {
 
 std::vector<ResultTake> result_takes(const fs::path& results) {
   const ItemStore store(results);
-  const auto keys = read_item_keys(results);
-  const Json json = read_manifest(results);
-  JsonObject manifest(json, (results / "manifest.json").string(), "");
+  const Manifest manifest = read_manifest(results);
   std::vector<ResultTake> takes;
-  for (JsonObject& take : manifest.objects("takes")) {
-    const std::string id = take.text("id");
-    const auto key = keys.find("takes/" + id);
-    if (key == keys.end()) take.refuse("id", "is of a take that is none of the items");
-    takes.push_back(
-        {id, take.text("activity"), key->second.empty() ? fs::path() : store.folder(key->second)});
-    if (!key->second.empty() && !fs::exists(takes.back().folder))
+  for (std::size_t t = 0; t < manifest.takes.size(); ++t) {
+    const Manifest::Take& take = manifest.takes[t];
+    const auto key = manifest.items.find("takes/" + take.id);
+    if (key == manifest.items.end())
+      manifest.place.at("takes").at(t).at("id").refuse("is of a take that is none of the items");
+    takes.push_back({take.id, take.activity, key->second ? store.folder(*key->second) : fs::path()});
+    if (key->second && !fs::exists(takes.back().folder))
       throw InputError(takes.back().folder.string(),
-                       "is missing: the item of take \"" + id + "\"; run the study again");
+                       "is missing: the item of take \"" + take.id + "\"; run the study again");
   }
   return takes;
 }

@@ -7,8 +7,9 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/stored_take.h"
 
 namespace trilat {
@@ -21,11 +22,11 @@ struct StoredItem {
   Json outcome;
   std::map<std::string, std::uint64_t> bytes;  // of its files, by name
 
-  void check(const JsonObject& object) const;
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(id, key) field("files", self.bytes);
-    TRILAT_EACH(outcome)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.item", 2);
+    f("id", self.id, "key", self.key, "files", self.bytes, "outcome", self.outcome);
   }
+  void check(const JsonPlace& place) const;
 };
 
 // The items of a study, in folders items/KEY of its results. An item is whole or not there, however a process
@@ -65,9 +66,55 @@ class ItemStore {
   std::filesystem::path folder_;
 };
 
-// manifest.json of a results folder names its items and their keys; an item that failed, or whose key is not
-// known yet, has none. InputError when it is not one of this version.
-std::map<std::string, std::string> read_item_keys(const std::filesystem::path& results);
+// What readers of results need of their manifest.json.
+struct Manifest {
+  static constexpr bool kHasMore = true;
+  struct Study {
+    static constexpr bool kHasMore = true;
+    std::string kind, name;
+    static void fields(auto& self, auto&& f) { f("kind", self.kind, "name", self.name); }
+  };
+  struct Take {
+    static constexpr bool kHasMore = true;
+    std::string id, activity;
+    static void fields(auto& self, auto&& f) { f("id", self.id, "activity", self.activity); }
+  };
+  struct Input {
+    static constexpr bool kHasMore = true;
+    std::string take, role, file;
+    std::optional<std::string> sha256;  // none of a file that could not be read
+    static void fields(auto& self, auto&& f) {
+      f("take", self.take, "role", self.role);
+      f("file", self.file, kMayLack);
+      f("sha256", self.sha256, kMayLack);
+    }
+  };
+  JsonPlace place{"", {}};
+  std::string program, study_sha256, campaign, calibration;
+  Study study;
+  Json settings;  // the resolved study
+  std::vector<std::string> rig;
+  std::vector<Take> takes;
+  std::vector<Input> inputs;
+  std::map<std::string, std::optional<std::string>> items;  // keys; none of what failed or is not known yet
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.manifest", 2);
+    f("program", self.program, "study", self.study, "study", self.settings, "items", self.items);
+    f("study_sha256", self.study_sha256, kMayLack);
+    f("campaign", self.campaign, kMayLack);
+    f("calibration", self.calibration, kMayLack);
+    f("rig", self.rig, kMayLack);
+    f("takes", self.takes, kMayLack);
+    f("inputs", self.inputs, kMayLack);
+  }
+};
+// InputError when it is not one of this version.
+Manifest read_manifest(const std::filesystem::path& results);
+// InputError where the manifest and the summary beside it, of this kind, study and campaign, are of different
+// runs. A campaign without a name is not compared.
+void check_same_run(const Manifest& manifest, const std::string& kind, const std::string& study,
+                    const std::string& campaign);
 // "is unfinished: 3 of 16 items are there; …", or empty where the folder holds no unfinished results.
 std::string unfinished_results(const std::filesystem::path& results);
 

@@ -8,12 +8,9 @@
 #include "datasets/results/table.h"
 
 namespace trilat {
+
 ResultsHead read_results_head(const std::filesystem::path& folder) {
-  const Json json = read_results_json(folder);
-  const std::string place = (folder / "summary.json").string();
-  JsonObject object(json, place, "");
-  return {results_kind(object), object.text("study"), object.text("campaign", ""),
-          object.text("paper", name_of(PaperStudy::none)), object.boolean("simulated", true)};
+  return read_as<ResultsHead>(read_results_json(folder), {folder / "summary.json"});
 }
 
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results) {

@@ -13,11 +13,20 @@ namespace trilat {
 
 // What every summary.json says, whatever its kind.
 struct ResultsHead {
+  static constexpr bool kHasMore = true;
   StudyKind kind = StudyKind::accuracy;
   std::string study;
   std::string campaign;  // empty where the study has none
-  std::string paper;     // of kPaperStudies
+  std::string paper = name_of(PaperStudy::none);
   bool simulated = true;
+
+  static void fields(auto& self, auto&& f) {
+    visit_results_head(f, self.kind);
+    f("study", self.study);
+    f("campaign", self.campaign, kMayLack);
+    f("paper", self.paper, kMayLack);
+    f("simulated", self.simulated, kMayLack);
+  }
 };
 // InputError with the place when `folder` holds no results of this version.
 ResultsHead read_results_head(const std::filesystem::path& folder);

@@ -13,7 +13,6 @@ namespace trilat {
 namespace {
 
 constexpr const char* kFormat = "trilat.results";
-const std::vector<std::string> kKinds{"accuracy", "threshold_sweep", "calibration", "clocks"};
 
 std::int64_t version_of(StudyKind kind) {
   if (kind == StudyKind::accuracy) return 12;
@@ -33,23 +32,34 @@ std::string what_it_is_instead(const std::filesystem::path& folder) {
   return "holds no summary.json, so it is not a results folder, which `trilat run` makes";
 }
 
-void refuse_removed(JsonObject& object) {
-  if (object.value("kind") == "variations")
-    object.refuse("kind", "\"variations\" was removed; scripts/vary varies a simulation");
-  if (object.value("kind") == "recording")
-    object.refuse("kind", "\"recording\" was removed; kind clocks takes a campaign's sessions");
+void refuse_removed_kinds(const Fields& f) {
+  f.removed("kind", "variations", "scripts/vary varies a simulation");
+  f.removed("kind", "recording", "kind clocks takes a campaign's sessions");
 }
+
+// Of a study, or of summary.json.
+struct StudyHead {
+  static constexpr bool kHasMore = true;
+  StudyKind kind = StudyKind::accuracy;
+
+  static void fields(auto& self, auto&& f) {
+    if (f.has("format", true)) f.format("trilat.study");
+    refuse_removed_kinds(f);
+    f("kind", self.kind);
+  }
+};
+struct AnyResults {
+  static constexpr bool kHasMore = true;
+  StudyKind kind = StudyKind::accuracy;
+
+  static void fields(auto& self, auto&& f) { visit_results_head(f, self.kind); }
+};
 
 }  // namespace
 
 StudyKind study_kind(const Json& study, const std::string& place) {
-  JsonObject object(study, place, "");
-  if (object.has("format")) object.format("trilat.study");
-  refuse_removed(object);
-  return static_cast<StudyKind>(object.choice("kind", kKinds));
+  return read_as<StudyHead>(study, {place}).kind;
 }
-
-std::string name_of(StudyKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
 
 Json read_results_json(const std::filesystem::path& folder) {
   const auto path = folder / "summary.json";
@@ -58,53 +68,30 @@ Json read_results_json(const std::filesystem::path& folder) {
 }
 
 StudyKind results_kind(const std::filesystem::path& folder) {
-  const Json json = read_results_json(folder);
-  JsonObject object(json, (folder / "summary.json").string(), "");
-  return results_kind(object);
+  return read_as<AnyResults>(read_results_json(folder), {folder / "summary.json"}).kind;
 }
 
-StudyKind results_kind(JsonObject& summary) {
-  if (summary.text("format") != kFormat) summary.refuse("format", std::string("must be \"") + kFormat + '"');
-  if (summary.has("kind")) refuse_removed(summary);
-  const auto kind = static_cast<StudyKind>(summary.choice("kind", kKinds, 0));
-  if (summary.integer("version") != version_of(kind))
-    summary.refuse(
-        "version",
-        fmt::format("is that of another trilat; this one reads version {} of kind \"{}\"; the same "
-                    "`trilat run` line makes the results anew in place",
-                    version_of(kind), name_of(kind)));
-  return kind;
+void visit_results_head(Fields& f, StudyKind& kind) {
+  std::string format = kFormat;
+  std::int64_t version = version_of(kind);
+  f("format", format);
+  if (format != kFormat) f.refuse("format", std::string("must be \"") + kFormat + '"');
+  refuse_removed_kinds(f);
+  f("version", version);
+  f("kind", kind, kMayLack);
+  if (version != version_of(kind))
+    f.refuse("version",
+             fmt::format("is that of another trilat; this one reads version {} of kind \"{}\"; the "
+                         "same `trilat run` line makes the results anew in place",
+                         version_of(kind), name_of(kind)));
 }
 
-Json results_head(StudyKind kind) {
-  return {{"format", kFormat}, {"version", version_of(kind)}, {"kind", name_of(kind)}};
-}
-
-void check_results_head(JsonObject& object, StudyKind wanted) {
-  const StudyKind kind = results_kind(object);
+void visit_results_head_of(Fields& f, StudyKind wanted) {
+  StudyKind kind = wanted;
+  visit_results_head(f, kind);
   if (kind != wanted)
-    object.refuse(
-        "kind", "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");
-}
-
-void check_same_run(JsonObject& manifest, StudyKind kind, const std::string& study,
-                    const std::string& campaign) {
-  const auto same = [](JsonObject& object, const char* key, const std::string& wanted) {
-    if (const std::string found = object.text(key); found != wanted)
-      object.refuse(key, fmt::format("is \"{}\", and that of summary.json beside it \"{}\": the folder holds "
-                                     "parts of two runs; run the study again",
-                                     found, wanted));
-  };
-  JsonObject of_study = manifest.object("study");
-  same(of_study, "kind", name_of(kind));
-  same(of_study, "name", study);
-  if (manifest.has("campaign") && !campaign.empty()) same(manifest, "campaign", campaign);
-}
-
-void check_format(JsonObject& object, const std::string& format, int version) {
-  if (object.text("format") != format) object.refuse("format", "must be \"" + format + '"');
-  if (object.integer("version") != version)
-    object.refuse("version", fmt::format("is another version; this program reads version {}", version));
+    f.refuse("kind",
+             "is \"" + name_of(kind) + "\"; results of kind \"" + name_of(wanted) + "\" are needed here");
 }
 
 }  // namespace trilat

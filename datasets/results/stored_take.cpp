@@ -87,11 +87,11 @@ struct RowColumns {
   static RowColumns of() {
     RowColumns columns;
     const Row row;
-    Row::fields(row, [&](const char* name, const auto& member) {
-      const auto offset = static_cast<std::size_t>(reinterpret_cast<const char*>(&member) -
-                                                   reinterpret_cast<const char*>(&row));
-      columns.add(name, member, offset);
-    });
+    Row::fields(row, EachField{[&](const char* name, const auto& member) {
+                  const auto offset = static_cast<std::size_t>(reinterpret_cast<const char*>(&member) -
+                                                               reinterpret_cast<const char*>(&row));
+                  columns.add(name, member, offset);
+                }});
     return columns;
   }
 

@@ -28,8 +28,8 @@ double average_m(const ResultsSummary& s, const std::string& condition, const st
 
 }  // namespace
 
-void ResultsSummary::check(const JsonObject& object) const {
-  if (alignments.empty()) object.refuse("alignments", "must name at least one alignment");
+void ResultsSummary::check(const JsonPlace& place) const {
+  if (alignments.empty()) place.at("alignments").refuse("must name at least one alignment");
 }
 
 const Number* find_error(const ResultsSummary& summary, const std::string& method,

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/claims.h"
 #include "datasets/results/numbers.h"
 #include "datasets/results/results_file.h"
@@ -36,7 +36,9 @@ struct TakeNote {
   std::string place;
   std::string text;
 
-  TRILAT_FIELDS(take, failed, place, text)
+  static void fields(auto& self, auto&& f) {
+    f("take", self.take, "failed", self.failed, "place", self.place, "text", self.text);
+  }
 };
 
 // How far an iterative method and Ceres were apart on the well-posed samples. Nothing compared is no
@@ -51,9 +53,10 @@ struct CrossCheck {
   std::string worst_at;
   bool passed() const { return samples > 0 && disagreements + lost == 0 && worst_m <= limit_m; }
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(method, samples, disagreements, lost, worst_m, limit_m, worst_at)
-    field("passed", self.passed());
+  static void fields(auto& self, auto&& f) {
+    f("method", self.method, "samples", self.samples, "disagreements", self.disagreements, "lost", self.lost,
+      "worst_m", self.worst_m, "limit_m", self.limit_m, "worst_at", self.worst_at);
+    f.written("passed", self.passed());
   }
 };
 
@@ -70,7 +73,9 @@ struct MethodFamily {
   std::uint64_t sensors = 0;  // in a set
   std::vector<std::string> methods;
 
-  TRILAT_FIELDS(name, sensors, methods)
+  static void fields(auto& self, auto&& f) {
+    f("name", self.name, "sensors", self.sensors, "methods", self.methods);
+  }
 };
 
 inline constexpr double kSameDistance_m = 1e-6;
@@ -83,7 +88,10 @@ struct BestMethod {
   // None where there is no interval.
   std::vector<std::string> not_distinguished;
 
-  TRILAT_FIELDS(condition, group, method, not_distinguished)
+  static void fields(auto& self, auto&& f) {
+    f("condition", self.condition, "group", self.group, "method", self.method, "not_distinguished",
+      self.not_distinguished);
+  }
 };
 
 // One line on a method, for readers who do not know it.
@@ -92,7 +100,9 @@ struct MethodNote {
   bool is_external = false;          // its joints came from a file of the takes
   std::vector<std::string> alike{};  // methods that share its row where results are shown; not stored
 
-  TRILAT_FIELDS(method, what, is_external)
+  static void fields(auto& self, auto&& f) {
+    f("method", self.method, "what", self.what, "is_external", self.is_external);
+  }
 };
 
 struct ResultsSummary {
@@ -127,10 +137,16 @@ struct ResultsSummary {
     return !cross_checks.empty() && std::ranges::all_of(cross_checks, &CrossCheck::passed);
   }
 
-  TRILAT_FIELDS(study, campaign, paper, simulated, takes, takes_failed, participants, methods, legend,
-                families, best, reference, conditions, groups, group_of_joint, participant_of_take, clusters,
-                alignments, notes, truth, cross_checks, rows)
-  void check(const JsonObject& object) const;
+  static void fields(auto& self, auto&& f) {
+    f("study", self.study, "campaign", self.campaign, "paper", self.paper, "simulated", self.simulated,
+      "takes", self.takes, "takes_failed", self.takes_failed, "participants", self.participants, "methods",
+      self.methods, "legend", self.legend, "families", self.families, "best", self.best, "reference",
+      self.reference, "conditions", self.conditions, "groups", self.groups, "group_of_joint",
+      self.group_of_joint, "participant_of_take", self.participant_of_take, "clusters", self.clusters,
+      "alignments", self.alignments, "notes", self.notes, "truth", self.truth, "cross_checks",
+      self.cross_checks, "rows", self.rows);
+  }
+  void check(const JsonPlace& place) const;
 };
 
 // Mean distance from the truth, with its interval; none where nothing is answered.

@@ -81,9 +81,9 @@ TableValue shown_number(const Numbers& numbers, const NumberKey& key, int decima
   return number_cell(decimals, factor * number->value, factor * number->low, factor * number->high);
 }
 
-void Table::check(const JsonObject& object) const {
+void Table::check(const JsonPlace& place) const {
   for (const std::vector<TableValue>& row : rows)
-    if (row.size() != columns.size()) object.refuse("rows", "must have a cell for each column");
+    if (row.size() != columns.size()) place.at("rows").refuse("must have a cell for each column");
 }
 
 std::string csv_of(const Table& table) {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/base/units.h"
 #include "datasets/results/summary.h"
 
@@ -42,16 +42,12 @@ struct TableValue {
   std::string beside = {};  // what stands behind a number: "paper 8.7"
 
   // What most cells do not have is left out.
-  static void fields(auto& self, auto&& field) {
-    bool has_text = !self.text.empty(), has_interval = !std::isnan(self.low) || !std::isnan(self.high),
-         is_marked = self.mark != Mark::none, has_more = !self.beside.empty();
-    TRILAT_EACH(number, decimals)
-    if (field.has("text", has_text)) TRILAT_EACH(text)
-    if (field.has("low", has_interval)) {
-      TRILAT_EACH(low, high)
-    }
-    if (field.has("mark", is_marked)) TRILAT_EACH(mark)
-    if (field.has("beside", has_more)) TRILAT_EACH(beside)
+  static void fields(auto& self, auto&& f) {
+    f("number", self.number, "decimals", self.decimals);
+    if (f.has("text", !self.text.empty())) f("text", self.text);
+    if (f.has("low", !std::isnan(self.low) || !std::isnan(self.high))) f("low", self.low, "high", self.high);
+    if (f.has("mark", self.mark != Mark::none)) f("mark", self.mark);
+    if (f.has("beside", !self.beside.empty())) f("beside", self.beside);
   }
 
   bool is_verdict() const { return mark >= Mark::good; }
@@ -78,13 +74,11 @@ struct TableColumn {
   // Of the interval's ends: "mae_from_cm" of "mae_cm".
   std::string key_of_end(const char* end) const;
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(name, key, is_text, has_interval)
-    bool has_ends = self.has_interval;
-    if (field.has("from_key", has_ends)) {
-      field("from_key", self.key_of_end("from"));
-      field("to_key", self.key_of_end("to"));
-    }
+  static void fields(auto& self, auto&& f) {
+    f("name", self.name, "key", self.key, "is_text", self.is_text, "has_interval", self.has_interval);
+    if (!self.has_interval) return;
+    f.written("from_key", self.key_of_end("from"));
+    f.written("to_key", self.key_of_end("to"));
   }
 };
 inline TableColumn interval_column(std::string name, std::string key) {
@@ -116,19 +110,21 @@ struct Table {
 
   // "What (on what)".
   std::string whole_title() const { return about.empty() ? title : title + " (" + about + ")"; }
-  static void fields(auto& self, auto&& field) {
-    bool has_about = !self.about.empty();
-    TRILAT_EACH(id, title)
-    if (field.has("about", has_about)) TRILAT_EACH(about)
-    TRILAT_EACH(columns, rows, notes, first_rows, first_columns, shown, printed, rows_in)
+  static void fields(auto& self, auto&& f) {
+    f("id", self.id, "title", self.title);
+    if (f.has("about", !self.about.empty())) f("about", self.about);
+    f("columns", self.columns, "rows", self.rows, "notes", self.notes, "first_rows", self.first_rows,
+      "first_columns", self.first_columns, "shown", self.shown, "printed", self.printed, "rows_in",
+      self.rows_in);
   }
-  void check(const JsonObject& object) const;
+  void check(const JsonPlace& place) const;
 };
 
 template <>
-inline constexpr int kEnumValues<TableValue::Mark> = 8;
+inline constexpr std::array words<TableValue::Mark>{
+    "none", "best", "not_distinguished", "good", "bad", "contradiction", "unsure", "untested"};
 template <>
-inline constexpr int kEnumValues<Table::Shown> = 3;
+inline constexpr std::array words<Table::Shown>{"first", "detail", "file"};
 
 // RFC 4180 with full precision; NaN is an empty field.
 std::string csv_of(const Table& table);
@@ -259,7 +255,7 @@ std::vector<TableValue> row_by_key(const Table& table,
 // tables.json, beside a study's summary.json: what the study shows, as it is rendered. Sentences are marked
 // up as in Markdown, with **bold** and `code`.
 struct StoredTables {
-  static constexpr const char *kFile = "tables.json", *kFormat = "trilat.tables";
+  static constexpr const char* kFile = "tables.json";
   std::string title;                      // "table3 on paper campaign"
   std::string asked;                      // the study's question
   std::string about;                      // one sentence: how much of what, simulated or recorded
@@ -271,7 +267,12 @@ struct StoredTables {
   std::map<std::string, std::string> errata;  // what an erratum of the paper does here, by its id
   std::vector<Table> tables;                  // those that answer the study's question first
 
-  TRILAT_FIELDS(title, asked, about, findings, on_the_paper, warnings, legend, sentences, errata, tables)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.tables");
+    f("title", self.title, "asked", self.asked, "about", self.about, "findings", self.findings,
+      "on_the_paper", self.on_the_paper, "warnings", self.warnings, "legend", self.legend, "sentences",
+      self.sentences, "errata", self.errata, "tables", self.tables);
+  }
 };
 // The rows of tables that are shown as files become CSV files beside it.
 void store_tables(const std::filesystem::path& folder, StoredTables shown);

@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 
 namespace trilat {
 
@@ -63,7 +63,11 @@ struct ErrorSums {
     largest = std::max(largest, more.largest);
   }
   bool is(Measure m) const { return measure == static_cast<std::uint32_t>(m); }
-  TRILAT_FIELDS(block, quantity, method, alignment, subset, measure, n, sum, sum_abs, sum_squares, largest)
+  static void fields(auto& self, auto&& f) {
+    f("block", self.block, "quantity", self.quantity, "method", self.method, "alignment", self.alignment,
+      "subset", self.subset, "measure", self.measure, "n", self.n, "sum", self.sum, "sum_abs", self.sum_abs,
+      "sum_squares", self.sum_squares, "largest", self.largest);
+  }
 };
 
 inline constexpr std::size_t kMaxStatuses = 16;
@@ -79,21 +83,27 @@ struct EndedRow {
     for (const std::uint32_t n : statuses) sum += n;
     return sum;
   }
-  TRILAT_FIELDS(quantity, method, subset, test, iterations, statuses)
+  static void fields(auto& self, auto&& f) {
+    f("quantity", self.quantity, "method", self.method, "subset", self.subset, "test", self.test,
+      "iterations", self.iterations, "statuses", self.statuses);
+  }
 };
 
 // Distances over the whole take: the next `bins` bins of the table are this row's.
 struct HistogramRow {
   std::uint32_t quantity = 0, method = 0, alignment = 0, subset = 0, bins = 0;
 
-  TRILAT_FIELDS(quantity, method, alignment, subset, bins)
+  static void fields(auto& self, auto&& f) {
+    f("quantity", self.quantity, "method", self.method, "alignment", self.alignment, "subset", self.subset,
+      "bins", self.bins);
+  }
 };
 // Number of distances in one bin: of a millimetre each up to two metres, then each longer by half a per cent
 // than the one before; the last bin holds all that are longer.
 struct BinRow {
   std::uint32_t bin = 0, n = 0;
 
-  TRILAT_FIELDS(bin, n)
+  static void fields(auto& self, auto&& f) { f("bin", self.bin, "n", self.n); }
 };
 inline constexpr double kBin_m = 0.001;
 inline constexpr std::uint32_t kFineBins = 2000, kLastBin = 3400;  // the last one from 2.15 km on
@@ -116,7 +126,10 @@ struct AlignmentRow {
     return offset.isZero(0.0) ? moved_m
                               : moved_m - Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitY()) * offset;
   }
-  TRILAT_FIELDS(quantity, method, alignment, first_instant, rotation, shift_m, offset_m)
+  static void fields(auto& self, auto&& f) {
+    f("quantity", self.quantity, "method", self.method, "alignment", self.alignment, "first_instant",
+      self.first_instant, "rotation", self.rotation, "shift_m", self.shift_m, "offset_m", self.offset_m);
+  }
 };
 
 // The errors of one take, of which every number of a study is made. Rows without samples are left out.

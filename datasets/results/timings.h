@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
-#include "datasets/base/strict_json.h"
+#include "datasets/base/document.h"
+#include "datasets/base/json.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
 
 // What differs from machine to machine and run to run.
 struct SweepTimings {
-  static constexpr const char *kFile = "timings.json", *kFormat = "trilat.timings";
+  static constexpr const char* kFile = "timings.json";
   std::string study;
   std::string processor;
   // Problems of each cell that the scalar solver solved on one thread, the fastest of three times; 0: all
@@ -21,7 +21,10 @@ struct SweepTimings {
   std::uint64_t problems = 0;
   std::vector<double> solve_us;  // a solve, start included; of each cell of the summary, in its order
 
-  TRILAT_FIELDS(study, processor, problems, solve_us)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.timings");
+    f("study", self.study, "processor", self.processor, "problems", self.problems, "solve_us", self.solve_us);
+  }
 };
 
 }  // namespace trilat

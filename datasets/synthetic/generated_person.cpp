@@ -234,12 +234,6 @@ SkeletonPose step(const Person& p, double t) {
 
 }  // namespace
 
-const std::vector<std::string>& activity_names() {
-  static const std::vector<std::string> names{"walking",  "arm_swing", "leg_crossing",
-                                              "standing", "steps",     "walk_about"};
-  return names;
-}
-
 Person draw_person(std::uint64_t seed, std::uint64_t index, double stature_mean_m,
                    double stature_half_range_m) {
   const RandomStream random{seed, Purpose::participant, index};

@@ -13,7 +13,9 @@ namespace trilat {
 // (Table III, four laps in 35 s), `arm_swing` standing (Table II, experiment 1: two swings in 6 s) and
 // `leg_crossing` (Table II, experiment 2: four crossing steps in 7 s).
 enum class Activity { walking, arm_swing, leg_crossing, standing, steps, walk_and_stop };
-const std::vector<std::string>& activity_names();
+template <>
+inline constexpr std::array words<Activity>{"walking",  "arm_swing", "leg_crossing",
+                                            "standing", "steps",     "walk_about"};
 
 // A body and its habits. Segment lengths are fractions of the stature (Drillis and Contini 1966, as tabulated
 // in Winter, "Biomechanics and Motor Control of Human Movement").

@@ -11,8 +11,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
-#include "datasets/base/settings.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 #include "datasets/synthetic/generated_person.h"
 
@@ -32,7 +30,7 @@ void add_persons(const SimulationSpec& s, std::vector<DeclaredParameter>& list) 
   if (s.recorded) {
     list.push_back({"motion", "recorded take", "", s.recorded->mocap.filename().string()});
   } else {
-    list.push_back({"stature", text(s.stature_mean_m) + between(s.stature_half_range_m), "m", kPaper});
+    list.push_back({"stature", text(s.stature.mean_m) + between(s.stature.half_range_m), "m", kPaper});
     list.push_back(
         {"segments", "fractions of the stature", "", "Drillis and Contini 1966, as tabulated by Winter"});
   }
@@ -88,8 +86,6 @@ std::vector<DeclaredParameter> simulation_parameters(const SimulationSpec& spec)
 
 namespace {
 
-constexpr const char* kFormat = "trilat.simulation";
-
 // The permutation of 0 to n - 1 at `share` of all of them, in their lexical order.
 std::vector<std::size_t> permutation_at(double share, std::size_t n) {
   std::vector<std::size_t> left(n), order;
@@ -105,92 +101,18 @@ std::vector<std::size_t> permutation_at(double share, std::size_t n) {
 }
 
 // Heights at equal steps, in one of their orders around the circle.
-std::vector<double> read_height_range(JsonObject object) {
+struct HeightRange {
   std::uint64_t sensors = 4;
   double mean_m = 1.4, spread_m = 1.6, order = 0.0;
-  setting(object, "sensors", sensors, {1, 8}, "how many");
-  setting(object, "mean_m", mean_m, {0.1, 5.0}, "height");
-  setting(object, "spread_m", spread_m, {0.0, 5.0}, "between the lowest and the highest");
-  setting(object, "order", order, {0.0, 1.0},
-          "share of all orders around the circle, from rising to falling heights");
-  object.finish();
-  std::vector<double> heights_m;
-  for (const std::size_t k : permutation_at(order, sensors)) {
-    const double step = sensors == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(sensors - 1);
-    heights_m.push_back(mean_m + (step - 0.5) * spread_m);
-  }
-  return heights_m;
-}
 
-RigSpec read_rig(JsonObject object) {
-  RigSpec rig;
-  setting(object, "radius_m", rig.radius_m, {0.3, 20.0}, "of the circle on which the sensors stand");
-  if (object.has("heights_m")) {
-    if (object.value("heights_m").is_object()) {
-      rig.heights_m = read_height_range(object.object("heights_m"));
-    } else {
-      const std::size_t sensors = object.value("heights_m").size();
-      if (sensors < 1 || sensors > 8) object.refuse("heights_m", "must hold 1 to 8 heights, one a sensor");
-      rig.heights_m = object.numbers("heights_m", sensors);
-      constexpr double kMaxHeight_m = 8.0;
-      for (const double height_m : rig.heights_m)
-        if (!(height_m >= 0.0 && height_m <= kMaxHeight_m))
-          object.refuse("heights_m", fmt::format("has {:g}; heights are 0 to {:g} m above the floor",
-                                                 height_m, kMaxHeight_m));
-    }
+  static void fields(auto& self, auto&& f) {
+    f("sensors", self.sensors, opt("how many", {1.0, 8.0}));
+    f("mean_m", self.mean_m, opt("height", {0.1, 5.0}));
+    f("spread_m", self.spread_m, opt("between the lowest and the highest", {0.0, 5.0}));
+    f("order", self.order,
+      opt("share of all orders around the circle, from rising to falling heights", {0.0, 1.0}));
   }
-  setting(object, "arc_deg", rig.arc_rad, {1.0, 360.0},
-          "of the circle, in equal parts: a sensor stands in the middle of each", kRadPerDegree);
-  setting(object, "arc_start_deg", rig.arc_start_rad, {-360.0, 360.0},
-          "where the arc begins, from +z towards +x; a person who stands faces +z", kRadPerDegree);
-  setting(object, "position_sigma_m", rig.position_sigma_m, {0.0, 1.0},
-          "error of the calibration that is written, an axis");
-  setting(object, "rotation_sigma_deg", rig.rotation_sigma_rad, {0.0, 45.0}, "and of its rotations",
-          kRadPerDegree);
-  if (object.has("centre_m")) {
-    const auto c = object.numbers("centre_m", 3);
-    rig.centre_m = Eigen::Vector3d(c[0], c[1], c[2]);
-  }
-  object.about({{"heights_m", "one a sensor, or an object of sensors, mean_m, spread_m and order"},
-                {"centre_m", "where they look; without it (0, 1, 0), or the middle of a recorded take"}});
-  object.finish();
-  return rig;
-}
-
-SensorSpec read_sensor(JsonObject object) {
-  SensorSpec s;
-  setting(object, "rate_hz", s.rate_hz, {1.0, 1000.0}, "of frames");
-  setting(object, "nearest_m", s.nearest_m, {0.0, kUnlimited}, "at which a joint is seen");
-  s.farthest_m = object.positive("farthest_m", s.farthest_m);
-  if (s.farthest_m <= s.nearest_m) object.refuse("farthest_m", "must be farther than nearest_m");
-  setting(object, "dropped_share", s.dropped_share, {0.0, 1.0}, "of frames");
-  setting(object, "clock_drift_ppm", s.clock_drift_ppm, {0.0, 500.0}, "uniform in +-, of sensor and machine");
-  setting(object, "latency_s", s.latency_s, {0.0, 1.0}, "exposure to arrival, the constant part");
-  setting(object, "arrival_jitter_s", s.arrival_jitter_s, {0.0, 1.0}, "mean of the exponential part");
-  setting(object, "exchange_period_s", s.exchange_period_s, {0.01, 3600.0},
-          "between two exchanges of clock messages");
-  setting(object, "exchange_jitter_s", s.exchange_jitter_s, {0.0, 1.0},
-          "mean of the exponential part of their delay");
-  setting(object, "free_running", s.free_running, "each sensor has its own phase, clock origin and drift");
-  setting(object, "focal_spread_px", s.focal_spread_px, {0.0, 50.0}, "uniform in +-, between units");
-  setting(object, "centre_spread_px", s.centre_spread_px, {0.0, 50.0}, "uniform in +-, between units");
-  object.about({{"farthest_m", "at which a joint is seen"}});
-  object.finish();
-  return s;
-}
-
-MocapSpec read_mocap_spec(JsonObject object) {
-  MocapSpec m;
-  setting(object, "rate_hz", m.rate_hz, {1.0, 2000.0}, "of OptiTrack");
-  setting(object, "marker_noise_sigma_m", m.marker_noise_sigma_m, {0.0, kUnlimited}, "an axis");
-  setting(object, "marker_offset_m", m.marker_offset_m, {0.0, kUnlimited},
-          "of each of a joint's four markers from the joint");
-  setting(object, "gap_share", m.gap_share, {0.0, 1.0}, "of 0.2 s stretches in which a marker is lost");
-  setting(object, "clock_error_s", m.clock_error_s, {0.0, 10.0},
-          "uniform in +-, between the stated and the true start");
-  object.finish();
-  return m;
-}
+};
 
 std::vector<Joint> joints_of_groups(const std::vector<std::string>& groups) {
   std::vector<Joint> joints;
@@ -207,115 +129,94 @@ std::vector<Joint> default_marker_joints(Activity activity) {
                                             : joints_of_groups({"head", "shoulder", "elbow", "wrist"});
 }
 
-ActivitySpec read_activity(JsonObject& object) {
-  ActivitySpec activity;
-  activity.activity = static_cast<Activity>(object.choice("name", activity_names()));
-  setting(object, "duration_s", activity.duration_s, {0.1, 1e6}, "of the take");
-  activity.marker_joints = default_marker_joints(activity.activity);
-  if (object.has("marker_joints")) {
-    activity.marker_joints.clear();
-    const auto names = object.texts("marker_joints");
-    if (const std::string twice = first_repeated(names); !twice.empty())
-      object.refuse("marker_joints", "names \"" + twice + "\" twice");
-    for (const std::string& name : names) {
-      const auto joint = joint_from_name(name);
-      if (!joint)
-        object.refuse("marker_joints",
-                      "names \"" + name + "\", which is not a joint; " + known_names(name, joint_names()));
-      activity.marker_joints.push_back(*joint);
-    }
-    if (activity.marker_joints.empty()) object.refuse("marker_joints", "must name at least one joint");
+}  // namespace
+
+void RigSpec::Heights::read(const Json& json, const JsonPlace& place, const About& about) {
+  if (!json.is_object()) {
+    json_value::read_value(json, place, about, static_cast<std::vector<double>&>(*this));
+    return;
   }
-  object.about({{"name", "what the person does"},
-                {"marker_joints", "joints that carry markers; without it the paper's of the activity"}});
-  object.finish();
-  return activity;
+  const auto range = read_as<HeightRange>(json, place);
+  clear();
+  for (const std::size_t k : permutation_at(range.order, range.sensors)) {
+    const double step =
+        range.sensors == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(range.sensors - 1);
+    push_back(range.mean_m + (step - 0.5) * range.spread_m);
+  }
 }
 
-}  // namespace
+Json RigSpec::Heights::schema(const About& about) {
+  Json schema = json_value::struct_schema(HeightRange{});
+  schema.update(json_value::schema(std::vector<double>{}, about));
+  schema["type"] = {"array", "object"};
+  return schema;
+}
+
+void ActivitySpec::fields(ActivitySpec& self, Fields& f) {
+  f("name", self.activity, need("what the person does"));
+  f("duration_s", self.duration_s, opt("of the take", {0.1, 1e6}));
+  std::vector<std::string> names;
+  for (const Joint joint : default_marker_joints(self.activity)) names.emplace_back(name_of(joint));
+  if (f.has("marker_joints", false)) {
+    f("marker_joints", names,
+      opt("joints that carry markers; without it the paper's of the activity")
+          .items(1)
+          .one_of(joint_names()));
+  }
+  if (f.reads())
+    for (const std::string& name : names) self.marker_joints.push_back(joint_from_name(name).value());
+}
+
+void SimulationSpec::fields(SimulationSpec& self, Fields& f) {
+  f.format("trilat.simulation");
+  f("name", self.name, opt("of the campaign"));
+  f("seed", self.seed, opt("of every random number"));
+  f("participants", self.participants, opt("persons", {1.0, 10'000.0}));
+  f("stature_m", self.stature, opt("of the persons"));
+  f("recorded", self.recorded, opt("an OptiTrack take that is watched instead of generated persons"));
+  f("activities", self.activities, opt("of every person; without it walking"));
+  f("rig", self.rig, opt("where the virtual sensors stand"));
+  f("sensor", self.sensor, opt("the virtual sensor"));
+  f("body_tracker", self.body_tracker, opt("errors of its body tracker; or a body_tracker.json"));
+  f("mocap", self.mocap, opt("the virtual OptiTrack"));
+  f("room", self.room, opt("what depth sees besides persons"));
+  f("depth", self.depth, opt("errors of depth"));
+  f("wand", self.wand, opt("a calibration recording beside the takes"));
+  f("bench", self.bench, opt("recordings of a ball at stated distances, and of flat walls"));
+  if (!f.reads()) return;
+  for (const char* key : {"participants", "stature_m"})
+    if (self.recorded && f.has(key, false))
+      f.refuse(key, "has no effect beside \"recorded\": the recorded take has its one person; leave it out");
+  const bool has_depth = self.depth.takes || self.wand || self.bench;
+  if (f.has("depth", false) && !has_depth)
+    f.refuse("depth", "says nothing without \"takes\": true in it, or \"wand\" or \"bench\" beside it");
+  if (f.has("room", false) && !has_depth)
+    f.refuse("room", "is not visible without depth: \"takes\": true in \"depth\", or \"wand\" or \"bench\"");
+}
+
+void SimulationSpec::check(const JsonPlace& place) const {
+  if (recorded && !activities.empty())
+    place.at("activities").refuse("cannot stand beside \"recorded\": the recorded take is the activity");
+  constexpr std::size_t kMaxTakes = 16'000;
+  if (participants * std::max<std::size_t>(1, activities.size()) > kMaxTakes)
+    place.at("participants").refuse(fmt::format("make more than {} takes with these activities", kMaxTakes));
+}
+
+Json simulation_schema() { return schema_of<SimulationSpec>(); }
 
 SimulationSpec parse_simulation(const Json& json, const std::string& place,
                                 const std::filesystem::path& folder) {
-  JsonObject object(json, place, "");
-  SimulationSpec spec;
-  object.format(kFormat);
-  setting(object, "name", spec.name, "of the campaign");
-  setting(object, "seed", spec.seed, "of every random number");
-  setting(object, "participants", spec.participants, {1, 10'000}, "persons");
-  if (object.has("stature_m")) {
-    JsonObject stature = object.object("stature_m");
-    setting(stature, "mean", spec.stature_mean_m, {0.5, 2.5}, "of the persons");
-    setting(stature, "half_range", spec.stature_half_range_m, {0.0, 0.5}, "to both sides, uniform");
-    if (spec.stature_mean_m - spec.stature_half_range_m < 0.5)
-      stature.refuse("half_range", "must leave everybody at least 0.5 m tall");
-    stature.finish();
-  }
-  if (object.has("recorded")) {
-    JsonObject recorded = object.object("recorded");
-    spec.recorded = RecordedSpec{path_of(recorded, "mocap", folder), path_of(recorded, "mapping", folder)};
-    spec.recorded->activity = recorded.text("activity", spec.recorded->activity);
-    spec.recorded->up_axis = read_up_axis(recorded);
-    recorded.about({{"mocap", "its export, relative to this file"},
-                    {"mapping", "of its assets to joints"},
-                    {"activity", "what studies call it"},
-                    {"up_axis", "of its world; y where it is not stated"}});
-    recorded.finish();
-  }
-  if (object.has("activities"))
-    for (JsonObject& entry : object.objects("activities")) spec.activities.push_back(read_activity(entry));
-  for (const char* key : {"participants", "stature_m"})
-    if (spec.recorded && object.has(key))
-      object.refuse(key,
-                    "has no effect beside \"recorded\": the recorded take has its one person; leave it out");
-  if (spec.recorded && !spec.activities.empty())
-    object.refuse("activities", "cannot stand beside \"recorded\": the recorded take is the activity");
+  auto spec = read_as<SimulationSpec>(json, {place, folder});
+  if (spec.recorded) spec.participants = 1;
   if (!spec.recorded && spec.activities.empty())
     spec.activities.push_back({Activity::walking, 35.0, default_marker_joints(Activity::walking)});
-  if (object.has("rig")) spec.rig = read_rig(object.object("rig"));
-  if (object.has("sensor")) spec.sensor = read_sensor(object.object("sensor"));
-  if (object.has("body_tracker")) spec.body_tracker = read_body_tracker(object);
-  object.shape("body_tracker", R"({"type": ["object", "string"]})");
-  if (object.has("mocap")) spec.mocap = read_mocap_spec(object.object("mocap"));
-  if (object.has("room")) spec.room = read_room(object.object("room"));
-  if (object.has("depth")) spec.depth = read_depth_spec(object.object("depth"));
-  if (object.has("wand")) spec.wand = read_wand_spec(object.object("wand"));
-  if (object.has("bench")) spec.bench = read_bench_spec(object.object("bench"));
-  const bool has_depth = spec.depth.takes || spec.wand || spec.bench;
-  if (object.has("depth") && !has_depth)
-    object.refuse("depth", "says nothing without \"takes\": true in it, or \"wand\" or \"bench\" beside it");
-  if (object.has("room") && !has_depth)
-    object.refuse("room",
-                  "is not visible without depth: \"takes\": true in \"depth\", or \"wand\" or \"bench\"");
-  object.about({{"stature_m", "of the persons"},
-                {"recorded", "an OptiTrack take that is watched instead of generated persons"},
-                {"activities", "of every person; without it walking"},
-                {"rig", "where the virtual sensors stand"},
-                {"sensor", "the virtual sensor"},
-                {"body_tracker", "errors of its body tracker; or a body_tracker.json"},
-                {"mocap", "the virtual OptiTrack"},
-                {"room", "what depth sees besides persons"},
-                {"depth", "errors of depth"},
-                {"wand", "a calibration recording beside the takes"},
-                {"bench", "recordings of a ball at stated distances, and of flat walls"}});
-  object.finish();
-  if (spec.recorded) spec.participants = 1;
-  if (spec.participants * std::max<std::size_t>(1, spec.activities.size()) > 16'000)
-    object.refuse("participants", "make more than 16000 takes with these activities");
   return spec;
 }
 
 SimulationSpec read_simulation(const std::filesystem::path& path) {
   Json json = read_json(path);
   if (json.is_object()) json.erase("scales");  // of `trilat reproduce`
-  std::filesystem::path tracker;
-  if (json.is_object() && json.contains("body_tracker") && json["body_tracker"].is_string()) {
-    JsonObject object(json, path.string(), "");
-    tracker = path_of(object, "body_tracker", path.parent_path());
-    json["body_tracker"] = read_json(tracker);
-  }
-  SimulationSpec spec = parse_simulation(json, path.string(), path.parent_path());
-  spec.body_tracker_file = tracker;
-  return spec;
+  return parse_simulation(json, path.string(), path.parent_path());
 }
 
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m) {

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/document.h"
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/calibration/calibration.h"
 #include "datasets/geometry/depth_camera.h"
 #include "datasets/synthetic/depth/depth_spec.h"
@@ -25,14 +25,38 @@ namespace trilat {
 // height each. Different heights make the vertical observable from ranges; see docs/reference/methods.md on
 // rigs of one height.
 struct RigSpec {
+  // In a document a list, or an object of heights at equal steps in one of their orders around the circle.
+  struct Heights : std::vector<double> {
+    using std::vector<double>::vector;
+    void read(const Json& json, const JsonPlace& place, const About& about);
+    static Json schema(const About& about);
+  };
   double radius_m = 2.0;
-  std::vector<double> heights_m{0.6, 2.2, 0.9, 1.9};
+  Heights heights_m{0.6, 2.2, 0.9, 1.9};
   double arc_rad =
       2.0 * std::numbers::pi;  // of the circle; each sensor has an equal part, and stands in its middle
   double arc_start_rad = 0.0;  // from +z towards +x: where the arc begins
   // Errors of the calibration, an axis: sensors stand elsewhere, and turned otherwise, than it says.
   double position_sigma_m = 0.0, rotation_sigma_rad = 0.0;
   std::optional<Eigen::Vector3d> centre_m = {};  // default: (0, 1, 0), or the middle of a real take's assets
+
+  static void fields(auto& self, auto&& f) {
+    f("radius_m", self.radius_m, opt("of the circle on which the sensors stand", {0.3, 20.0}));
+    f("heights_m", self.heights_m,
+      opt("above the floor, one a sensor, or an object of sensors, mean_m, spread_m and order", {0.0, 8.0})
+          .items(1, 8));
+    f("arc_deg", self.arc_rad,
+      opt("of the circle, in equal parts: a sensor stands in the middle of each", {1.0, 360.0},
+          kRadPerDegree));
+    f("arc_start_deg", self.arc_start_rad,
+      opt("where the arc begins, from +z towards +x; a person who stands faces +z", {-360.0, 360.0},
+          kRadPerDegree));
+    f("position_sigma_m", self.position_sigma_m,
+      opt("error of the calibration that is written, an axis", {0.0, 1.0}));
+    f("rotation_sigma_deg", self.rotation_sigma_rad, opt("and of its rotations", {0.0, 45.0}, kRadPerDegree));
+    f("centre_m", self.centre_m,
+      opt("where they look; without it (0, 1, 0), or the middle of a recorded take"));
+  }
 };
 
 // The virtual sensor. Every value is a declared assumption; sources in docs/explanation/simulator.md. Nothing
@@ -50,6 +74,26 @@ struct SensorSpec {
   bool free_running = true;           // each sensor with its own phase, clock origin and drift
   double focal_spread_px = 1.0;       // uniform in +-, between units
   double centre_spread_px = 6.0;
+
+  static void fields(auto& self, auto&& f) {
+    f("rate_hz", self.rate_hz, opt("of frames", {1.0, 1000.0}));
+    f("nearest_m", self.nearest_m, opt("at which a joint is seen", kNotNegative));
+    f("farthest_m", self.farthest_m, opt("at which a joint is seen", kPositive));
+    f("dropped_share", self.dropped_share, opt("of frames", {0.0, 1.0}));
+    f("clock_drift_ppm", self.clock_drift_ppm, opt("uniform in +-, of sensor and machine", {0.0, 500.0}));
+    f("latency_s", self.latency_s, opt("exposure to arrival, the constant part", {0.0, 1.0}));
+    f("arrival_jitter_s", self.arrival_jitter_s, opt("mean of the exponential part", {0.0, 1.0}));
+    f("exchange_period_s", self.exchange_period_s,
+      opt("between two exchanges of clock messages", {0.01, 3600.0}));
+    f("exchange_jitter_s", self.exchange_jitter_s,
+      opt("mean of the exponential part of their delay", {0.0, 1.0}));
+    f("free_running", self.free_running, opt("each sensor has its own phase, clock origin and drift"));
+    f("focal_spread_px", self.focal_spread_px, opt("uniform in +-, between units", {0.0, 50.0}));
+    f("centre_spread_px", self.centre_spread_px, opt("uniform in +-, between units", {0.0, 50.0}));
+  }
+  void check(const JsonPlace& place) const {
+    if (farthest_m <= nearest_m) place.at("farthest_m").refuse("must be farther than nearest_m");
+  }
 };
 
 // The virtual OptiTrack.
@@ -60,12 +104,24 @@ struct MocapSpec {
   double gap_share = 0.01;        // share of 0.2 s stretches in which a marker is lost
   double clock_error_s =
       0.005;  // uniform in +-, the paper's "less than 5 ms", between the stated and true start
+
+  static void fields(auto& self, auto&& f) {
+    f("rate_hz", self.rate_hz, opt("of OptiTrack", {1.0, 2000.0}));
+    f("marker_noise_sigma_m", self.marker_noise_sigma_m, opt("an axis", {0.0, 1.0}));
+    f("marker_offset_m", self.marker_offset_m,
+      opt("of each of a joint's four markers from the joint", {0.0, 1.0}));
+    f("gap_share", self.gap_share, opt("of 0.2 s stretches in which a marker is lost", {0.0, 1.0}));
+    f("clock_error_s", self.clock_error_s,
+      opt("uniform in +-, between the stated and the true start", {0.0, 10.0}));
+  }
 };
 
 struct ActivitySpec {
   Activity activity = Activity::walking;
   double duration_s = 35.0;
   std::vector<Joint> marker_joints;  // joints that carry markers
+
+  static void fields(ActivitySpec& self, Fields& f);
 };
 
 // A real OptiTrack take to be watched instead of a generated person.
@@ -74,6 +130,27 @@ struct RecordedSpec {
   std::filesystem::path mapping;
   std::string activity = "recorded";   // what studies call it: their condition
   std::optional<UpAxis> up_axis = {};  // not stated: y
+
+  static void fields(auto& self, auto&& f) {
+    f("mocap", self.mocap, need("its export, relative to this file"));
+    f("mapping", self.mapping, need("of its assets to joints"));
+    f("activity", self.activity, opt("what studies call it"));
+    visit_up_axis(f, self.up_axis, "of its world; y where it is not stated");
+  }
+};
+
+// Heights of persons, uniform about their mean.
+struct Stature {
+  double mean_m = 1.70, half_range_m = 0.17;
+
+  static void fields(auto& self, auto&& f) {
+    f("mean", self.mean_m, opt("of the persons, in metres", {0.5, 2.5}));
+    f("half_range", self.half_range_m, opt("to both sides, uniform", {0.0, 0.5}));
+  }
+  void check(const JsonPlace& place) const {
+    if (mean_m - half_range_m < 0.5)
+      place.at("half_range").refuse("must leave everybody at least 0.5 m tall");
+  }
 };
 
 // simulation.json, format 1: what `trilat simulate` makes a campaign from.
@@ -81,20 +158,22 @@ struct SimulationSpec {
   std::string name = "simulated";
   std::uint64_t seed = 1;
   std::uint64_t participants = 16;
-  double stature_mean_m = 1.70;
-  double stature_half_range_m = 0.17;
+  Stature stature;
   std::vector<ActivitySpec> activities;
   std::optional<RecordedSpec> recorded;
   RigSpec rig;
   SensorSpec sensor;
   BodyTrackerSpec body_tracker = default_body_tracker();
-  std::filesystem::path body_tracker_file = {};  // where that was read from; empty: from simulation.json
   MocapSpec mocap;
   RoomSpec room;
   DepthSpec depth;
   std::optional<WandSpec> wand;
   std::optional<BenchSpec> bench;
+
+  static void fields(SimulationSpec& self, Fields& f);
+  void check(const JsonPlace& place) const;
 };
+Json simulation_schema();
 
 // Paths are relative to `folder`.
 SimulationSpec parse_simulation(const Json& json, const std::string& place,

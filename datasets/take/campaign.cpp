@@ -16,9 +16,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/known_names.h"
-#include "datasets/base/settings.h"
-#include "datasets/base/strict_json.h"
-#include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
@@ -36,14 +33,6 @@ const std::array<std::vector<Joint>, StandingAxis::kLevels> kJointsOfLevel{
      {ankle_left, ankle_right, foot_left, foot_right}}};
 
 }  // namespace
-
-std::optional<UpAxis> read_up_axis(JsonObject& object) {
-  object.words("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()});
-  if (!object.has("up_axis")) return std::nullopt;
-  if (object.value("up_axis") == "auto")
-    object.refuse("up_axis", "\"auto\" was removed; leave the key out for y, or state \"z\"");
-  return static_cast<UpAxis>(object.choice("up_axis", {kUpAxisNames.begin(), kUpAxisNames.end()}));
-}
 
 void StandingAxis::add(Joint joint, const Eigen::Vector3d& point_m) {
   if (!point_m.allFinite()) return;
@@ -68,187 +57,146 @@ std::optional<UpAxis> StandingAxis::axis() const {
 
 namespace {
 
-constexpr const char* kCampaignFormat = "trilat.campaign";
-constexpr const char* kMappingFormat = "trilat.mapping";
+// Reads the assets of one name: at least one, and none twice.
+std::vector<std::string> read_assets(const Json& json, const JsonPlace& place) {
+  std::vector<std::string> assets;
+  json_value::read_value(json, place, need("assets").items(1), assets);
+  return assets;
+}
 
-ExternalJoints read_joints(JsonObject& entry, const std::filesystem::path& folder) {
-  ExternalJoints joints;
-  joints.method = entry.text("method");
-  joints.file = path_of(entry, "file", folder);
-  if (entry.has("mapping")) {
-    const Json& value = entry.value("mapping");
-    if (!value.is_object()) entry.refuse("mapping", "must be an object: each joint with the file's names");
-    JsonObject mapping = entry.below("mapping", value);
-    joints.mapping = parse_points(mapping);
+Json assets_schema() { return {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}; }
+
+// The mapping of a take without a session, whose points may have any name.
+struct PointMapping {
+  NamedPoints joints;
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.mapping");
+    f("joints", self.joints, need("each with the assets whose mean it is"));
   }
-  entry.shape(
-      "mapping",
-      R"({"type": "object", "additionalProperties": {"type": "array", "items": {"type": "string"}}})");
-  joints.clock_by_motion = entry.choice("clock", {"stated", "motion"}, 0) == 1;
-  entry.about({{"method", "name of its rows in the tables"},
-               {"file", "TRC, OptiTrack CSV, or a CSV with time_s, joint, x_m, y_m, z_m"},
-               {"mapping", "of joints to the file's names; without it they are known by their names"},
-               {"clock", "stated: seconds since the recording's start; motion: found by the motion"}});
-  entry.finish();
-  return joints;
-}
-
-void read_external(JsonObject& entry, const std::filesystem::path& folder, Take& take) {
-  if (!entry.has("joints")) return;
-  for (JsonObject& one : entry.objects("joints")) {
-    take.joints.push_back(read_joints(one, folder));
-    const auto same = [&](const ExternalJoints& other) { return other.method == take.joints.back().method; };
-    if (std::ranges::count_if(take.joints, same) > 1)
-      one.refuse("method", "is \"" + take.joints.back().method + "\", which other joints of this take have");
-  }
-  if (take.joints.empty()) entry.refuse("joints", "must name at least one file");
-}
-
-Take read_take(JsonObject& entry, const std::filesystem::path& folder) {
-  Take take;
-  take.id = entry.text("id");
-  if (!is_plain_name(take.id))
-    entry.refuse("id", "must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
-  take.participant = entry.text("participant");
-  take.activity = entry.text("activity", "");
-  read_external(entry, folder, take);
-  const bool has_session = take.joints.empty() || entry.has("session");
-  if (has_session) {
-    take.session = path_of(entry, "session", folder);
-    take.calibration = path_of(entry, "calibration", folder);
-  } else {
-    for (const char* key : {"calibration", "mocap_start_host_ns"})
-      if (entry.has(key)) entry.refuse(key, "is of no use without \"session\"");
-    if (!entry.has("mocap")) entry.refuse("mocap", "is missing: against what are the joints held?");
-  }
-  if (entry.has("mocap")) {
-    take.mocap = path_of(entry, "mocap", folder);
-    if (has_session || entry.has("mapping")) take.mapping = path_of(entry, "mapping", folder);
-    if (has_session) take.mocap_start_host_ns = entry.integer("mocap_start_host_ns");
-    take.up_axis = read_up_axis(entry);
-  }
-  for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"})
-    if (take.mocap.empty() && entry.has(key)) entry.refuse(key, "is of no use without \"mocap\"");
-  if (std::abs(take.mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
-    entry.refuse("mocap_start_host_ns", "is a time that no clock shows");
-  entry.about(
-      {{"id", "of the take; names its files"},
-       {"participant", "who is seen"},
-       {"activity", "what the person does: the condition"},
-       {"session", "recording, relative to this file; a take may have joints instead"},
-       {"calibration", "of the sensors"},
-       {"mocap", "the truth; a take without one is judged by leaving out one sensor after the other"},
-       {"mapping", "of the truth's assets to joints"},
-       {"mocap_start_host_ns", "what the recording's host clock showed at the first frame of the truth"},
-       {"up_axis", "of the truth's world; y where it is not stated"},
-       {"joints", "what other methods or systems gave, beside the session or instead of it"}});
-  entry.finish();
-  return take;
-}
-
-void read_ball_radius(JsonObject& object, double& ball_radius_m) {
-  setting(object, "ball_radius_m", ball_radius_m, {0.01, 0.3}, "of the wand's ball");
-}
-
-CampaignWand read_wand(JsonObject object, const std::filesystem::path& folder) {
-  CampaignWand wand{path_of(object, "session", folder)};
-  if (object.has("mocap")) {
-    wand.mocap = path_of(object, "mocap", folder);
-    wand.asset = object.text("asset");
-    wand.mocap_start_host_ns = object.integer("mocap_start_host_ns");
-  }
-  read_ball_radius(object, wand.ball_radius_m);
-  object.about({{"session", "recording in which the wand is held still at many places"},
-                {"mocap", "OptiTrack's export of it"},
-                {"asset", "whose position is the ball's centre"},
-                {"mocap_start_host_ns", "what the recording's host clock showed at its first frame"}});
-  object.finish();
-  return wand;
-}
-
-StatedDistances read_stated_distances(JsonObject object, const std::filesystem::path& folder) {
-  StatedDistances stated{path_of(object, "session", folder), path_of(object, "places", folder)};
-  read_ball_radius(object, stated.ball_radius_m);
-  object.about({{"session", "recording in which the ball is held still at these places"},
-                {"places", "CSV with from_s, to_s, sensor, distance_m, and angle_deg where it is known"}});
-  object.finish();
-  return stated;
-}
-
-FlatWall read_wall(JsonObject object, const std::filesystem::path& folder) {
-  FlatWall wall{path_of(object, "session", folder)};
-  constexpr double kMin_m = 0.3, kMax_m = 8.0;
-  if (object.has("distance_m")) {
-    wall.distance_m = object.number("distance_m");
-    object.range("distance_m", kMin_m, kMax_m);
-    if (!(*wall.distance_m >= kMin_m && *wall.distance_m <= kMax_m))
-      object.refuse("distance_m",
-                    fmt::format("is {:g}; state metres, {:g} to {:g}{}", *wall.distance_m, kMin_m, kMax_m,
-                                in_metres_text(*wall.distance_m, kMin_m, kMax_m)));
-  }
-  object.about({{"session", "recording of a flat wall that fills the images"},
-                {"distance_m", "from the sensors, where it was measured"}});
-  object.finish();
-  return wall;
-}
+};
 
 }  // namespace
 
-JointMapping read_mapping(const std::filesystem::path& path) {
-  return parse_mapping(read_json(path), path.string());
+void NamedPoints::read(const Json& json, const JsonPlace& place, const About&) {
+  json_value::check_object(json, place);
+  for (const auto& [name, assets] : json.items()) push_back({name, read_assets(assets, place.at(name))});
 }
 
-JointMapping parse_mapping(const Json& json, const std::string& place) {
-  JsonObject object(json, place, "");
-  object.format(kMappingFormat);
-  JointMapping mapping;
-  JsonObject joints = object.object("joints");
-  for (const std::string& key : joints.keys()) {
-    const auto joint = joint_from_name(key);
+Json NamedPoints::json() const {
+  Json json = Json::object();
+  for (const NamedPoint& point : *this) json[point.name] = point.assets;
+  return json;
+}
+
+Json NamedPoints::schema(const About&) {
+  return {{"type", "object"}, {"additionalProperties", assets_schema()}};
+}
+
+void JointMapping::Entries::read(const Json& json, const JsonPlace& place, const About&) {
+  json_value::check_object(json, place);
+  for (const auto& [name, assets] : json.items()) {
+    const auto joint = joint_from_name(name);
     if (!joint) {
-      const std::string nearest = nearest_name(key, joint_names());
-      joints.refuse(key, "is not a joint; " + (nearest.empty() ? known_names(key, joint_names())
-                                                               : "did you mean \"" + nearest + "\"?"));
+      const std::string nearest = nearest_name(name, joint_names());
+      place.at(name).refuse("is not a joint; " + (nearest.empty() ? known_names(name, joint_names())
+                                                                  : "did you mean \"" + nearest + "\"?"));
     }
-    auto assets = joints.texts(key);
-    if (assets.empty()) joints.refuse(key, "must name at least one asset");
-    if (const std::string twice = first_repeated(assets); !twice.empty())
-      joints.refuse(key, "names the asset \"" + twice + "\" twice");
-    mapping.joints.push_back({*joint, std::move(assets)});
+    push_back({*joint, read_assets(assets, place.at(name))});
   }
-  if (mapping.joints.empty()) object.refuse("joints", "must map at least one joint");
-  object.about({{"joints", "each with the assets whose mean it is"}});
-  object.finish();
-  return mapping;
+  if (empty()) place.refuse("must map at least one joint");
 }
 
-std::vector<NamedPoint> parse_points(JsonObject& json) {
-  std::vector<NamedPoint> points;
-  for (const std::string& key : json.keys()) {
-    points.push_back({key, json.texts(key)});
-    if (points.back().assets.empty()) json.refuse(key, "must name at least one asset");
-    if (const std::string twice = first_repeated(points.back().assets); !twice.empty())
-      json.refuse(key, "names the asset \"" + twice + "\" twice");
+Json JointMapping::Entries::json() const {
+  Json json = Json::object();
+  for (const Entry& entry : *this) json[std::string(name_of(entry.joint))] = entry.assets;
+  return json;
+}
+
+Json JointMapping::Entries::schema(const About&) {
+  Json schema{{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
+  for (const std::string& name : joint_names()) schema["properties"][name] = assets_schema();
+  schema["additionalProperties"] = false;
+  return schema;
+}
+
+void Take::fields(Take& self, Fields& f) {
+  const auto file = [&](const char* key, auto& path, const char* meaning) {
+    if (f.writes_if(!path.empty())) f(key, path, opt(meaning));
+  };
+  f("id", self.id, need("of the take; names its files"));
+  f("participant", self.participant, need("who is seen"));
+  f("activity", self.activity, opt("what the person does: the condition"));
+  file("session", self.session, "recording, relative to this file; a take may have joints instead");
+  file("calibration", self.calibration, "of the sensors");
+  file("mocap", self.mocap,
+       "the truth; a take without one is judged by leaving out one sensor after the other");
+  file("mapping", self.mapping, "of the truth's assets to joints");
+  const bool has_mocap = !self.mocap.empty(), has_session = !self.session.empty();
+  if (f.writes_if(has_mocap && has_session))
+    f("mocap_start_host_ns", self.mocap_start_host_ns,
+      opt("what the recording's host clock showed at the first frame of the truth"));
+  if (f.writes_if(has_mocap))
+    visit_up_axis(f, self.up_axis, "of the truth's world; y where it is not stated");
+  if (f.writes_if(!self.joints.empty()))
+    f("joints", self.joints,
+      opt("what other methods or systems gave, beside the session or instead of it").items(1));
+  if (!f.reads()) return;
+  const auto needs = [&](const char* key, bool is_needed) {
+    if (is_needed && !f.has(key, false)) f.refuse(key, "is missing");
+  };
+  const auto useless = [&](const char* key, bool is_useless, const char* without) {
+    if (is_useless && f.has(key, false)) f.refuse(key, fmt::format("is of no use without \"{}\"", without));
+  };
+  const bool needs_session = self.joints.empty();
+  needs("session", needs_session);
+  needs("calibration", has_session || needs_session);
+  for (const char* key : {"calibration", "mocap_start_host_ns"}) useless(key, !has_session, "session");
+  if (!has_session && !has_mocap) f.refuse("mocap", "is missing: against what are the joints held?");
+  for (const char* key : {"mapping", "mocap_start_host_ns"}) needs(key, has_session && has_mocap);
+  for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"}) useless(key, !has_mocap, "mocap");
+}
+
+void Take::check(const JsonPlace& place) const {
+  if (!is_plain_name(id))
+    place.at("id").refuse("must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
+  if (std::abs(mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
+    place.at("mocap_start_host_ns").refuse("is a time that no clock shows");
+  std::set<std::string> methods;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (!methods.insert(joints[i].method).second)
+      place.at("joints").at(i).at("method").refuse("is \"" + joints[i].method +
+                                                   "\", which other joints of this take have");
+}
+
+void CampaignWand::fields(CampaignWand& self, Fields& f) {
+  f("session", self.session, need("recording in which the wand is held still at many places"));
+  if (f.has("mocap", !self.mocap.empty())) {
+    f("mocap", self.mocap, opt("OptiTrack's export of it"));
+    f("asset", self.asset, f.describes() ? opt("whose position is the ball's centre") : need("with mocap"));
+    f("mocap_start_host_ns", self.mocap_start_host_ns,
+      f.describes() ? opt("what the recording's host clock showed at its first frame") : need("with mocap"));
   }
+  f("ball_radius_m", self.ball_radius_m, opt("of the wand's ball", kBallRadius_m));
+}
+
+void Campaign::check(const JsonPlace& place) const {
+  std::set<std::string> ids;
+  for (std::size_t t = 0; t < takes.size(); ++t)
+    if (!ids.insert(takes[t].id).second)
+      place.at("takes").at(t).at("id").refuse("is \"" + takes[t].id + "\", which an earlier take has");
+}
+
+JointMapping read_mapping(const std::filesystem::path& path) {
+  return read_as<JointMapping>(read_json(path), path);
+}
+
+NamedPoints read_points(const std::filesystem::path& path) {
+  NamedPoints points = read_as<PointMapping>(read_json(path), path).joints;
+  if (points.empty()) JsonPlace(path).at("joints").refuse("must map at least one joint");
   return points;
 }
 
-std::vector<NamedPoint> read_points(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  JsonObject object(json, path.string(), "");
-  object.format(kMappingFormat);
-  JsonObject joints = object.object("joints");
-  std::vector<NamedPoint> points = parse_points(joints);
-  if (points.empty()) object.refuse("joints", "must map at least one joint");
-  object.finish();
-  return points;
-}
-
-std::string mapping_text(const JointMapping& mapping) {
-  Json joints = Json::object();
-  for (const auto& entry : mapping.joints) joints[std::string(name_of(entry.joint))] = entry.assets;
-  return exact_json_text(Json{{"format", kMappingFormat}, {"version", 1}, {"joints", joints}}, 2);
-}
+std::string mapping_text(const JointMapping& mapping) { return exact_json_text(json_of(mapping), 2); }
 
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping) {
   write_file(path, mapping_text(mapping) + "\n");
@@ -264,82 +212,25 @@ Campaign read_campaign(const std::filesystem::path& path) {
 }
 
 Campaign parse_campaign(const Json& json, const std::filesystem::path& file) {
-  JsonObject object(json, file.string(), "");
-  object.format(kCampaignFormat);
-  Campaign campaign;
-  campaign.name = object.text("name");
+  auto campaign = read_as<Campaign>(json, file);
   campaign.folder = file.parent_path();
-  campaign.simulated = object.boolean("simulated", false);
-  std::set<std::string> ids;
-  for (JsonObject& entry : object.objects("takes")) {
-    campaign.takes.push_back(read_take(entry, file.parent_path()));
-    if (!ids.insert(campaign.takes.back().id).second)
-      entry.refuse("id", "is \"" + campaign.takes.back().id + "\", which an earlier take has");
-  }
-  if (campaign.takes.empty()) object.refuse("takes", "must hold at least one take");
-  if (object.has("wand")) campaign.wand = read_wand(object.object("wand"), file.parent_path());
-  if (object.has("stated_distances"))
-    for (JsonObject& entry : object.objects("stated_distances"))
-      campaign.stated_distances.push_back(read_stated_distances(std::move(entry), file.parent_path()));
-  if (object.has("walls"))
-    for (JsonObject& entry : object.objects("walls"))
-      campaign.walls.push_back(read_wall(std::move(entry), file.parent_path()));
-  object.about({{"name", "of the campaign"},
-                {"simulated", "every table says so"},
-                {"takes", "what was recorded"},
-                {"wand", "a recording to calibrate with"},
-                {"stated_distances", "recordings of a ball at measured distances"},
-                {"walls", "recordings of a flat wall"}});
-  object.finish();
   return campaign;
 }
 
-void write_campaign(const std::filesystem::path& folder, const Campaign& campaign) {
-  Json takes = Json::array();
-  const auto inside = [&](const std::filesystem::path& path) {
-    return std::filesystem::relative(path, folder).generic_string();
+void write_campaign(const std::filesystem::path& folder, Campaign campaign) {
+  const auto make_relative = [&](std::filesystem::path& path) {
+    if (!path.empty()) path = std::filesystem::relative(path, folder);
   };
-  for (const Take& take : campaign.takes) {
-    Json json{{"id", take.id}, {"participant", take.participant}, {"activity", take.activity}};
-    const auto add_file = [&](const char* key, const std::filesystem::path& path) {
-      if (!path.empty()) json[key] = inside(path);
-    };
-    add_file("session", take.session);
-    add_file("calibration", take.calibration);
-    add_file("mocap", take.mocap);
-    add_file("mapping", take.mapping);
-    if (!take.mocap.empty() && !take.session.empty()) json["mocap_start_host_ns"] = take.mocap_start_host_ns;
-    if (!take.mocap.empty() && take.up_axis)
-      json["up_axis"] = kUpAxisNames.at(static_cast<std::size_t>(*take.up_axis));
-    for (const ExternalJoints& joints : take.joints) {
-      json["joints"].push_back({{"method", joints.method}, {"file", inside(joints.file)}});
-      for (const NamedPoint& point : joints.mapping)
-        json["joints"].back()["mapping"][point.name] = point.assets;
-      if (joints.clock_by_motion) json["joints"].back()["clock"] = "motion";
-    }
-    takes.push_back(json);
+  for (Take& take : campaign.takes) {
+    for (std::filesystem::path* path : {&take.session, &take.calibration, &take.mocap, &take.mapping})
+      make_relative(*path);
+    for (ExternalJoints& joints : take.joints) make_relative(joints.file);
   }
-  Json json{{"format", kCampaignFormat},
-            {"version", 1},
-            {"name", campaign.name},
-            {"simulated", campaign.simulated},
-            {"takes", takes}};
-  if (const std::optional<CampaignWand>& wand = campaign.wand) {
-    json["wand"] = {{"session", inside(wand->session)}, {"ball_radius_m", wand->ball_radius_m}};
-    if (!wand->mocap.empty())
-      json["wand"].update(Json{{"mocap", inside(wand->mocap)},
-                               {"asset", wand->asset},
-                               {"mocap_start_host_ns", wand->mocap_start_host_ns}});
-  }
-  for (const StatedDistances& stated : campaign.stated_distances)
-    json["stated_distances"].push_back({{"session", inside(stated.session)},
-                                        {"places", inside(stated.places)},
-                                        {"ball_radius_m", stated.ball_radius_m}});
-  for (const FlatWall& wall : campaign.walls) {
-    json["walls"].push_back({{"session", inside(wall.session)}});
-    if (wall.distance_m) json["walls"].back()["distance_m"] = *wall.distance_m;
-  }
-  write_file(folder / "campaign.json", exact_json_text(json, 2) + "\n");
+  if (campaign.wand) make_relative(campaign.wand->session), make_relative(campaign.wand->mocap);
+  for (StatedDistances& stated : campaign.stated_distances)
+    make_relative(stated.session), make_relative(stated.places);
+  for (FlatWall& wall : campaign.walls) make_relative(wall.session);
+  write_file(folder / "campaign.json", exact_json_text(json_of(campaign), 2) + "\n");
 }
 
 std::vector<std::string> oddities_of(const Campaign& campaign) {

@@ -10,17 +10,21 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/document.h"
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/skeleton/skeleton.h"
 
 namespace trilat {
 
 // The axis that points up in a ground truth's world. In our world it is y; TRC files often have z.
 enum class UpAxis : std::uint8_t { y, z };
-inline const std::array<std::string, 2> kUpAxisNames{"y", "z"};
-// The key "up_axis" of an object, where it has one.
-std::optional<UpAxis> read_up_axis(JsonObject& object);
+template <>
+inline constexpr std::array words<UpAxis>{"y", "z"};
+// The key "up_axis" of an object that may have one.
+void visit_up_axis(auto& f, auto& axis, const char* meaning) {
+  f.removed("up_axis", "auto", "leave the key out for y, or state \"z\"");
+  f("up_axis", axis, opt(meaning));
+}
 // Refusal of a take that does not state its axis and whose person stands along z.
 inline constexpr const char* kStandsAlongZ =
     "holds a person who stands along z, and y is taken as up: state \"up_axis\": \"z\" in the take, or \"y\" "
@@ -53,6 +57,13 @@ struct NamedPoint {
   std::string name;
   std::vector<std::string> assets;
 };
+// In a document an object: each name with its list of assets.
+struct NamedPoints : std::vector<NamedPoint> {
+  using std::vector<NamedPoint>::vector;
+  void read(const Json& json, const JsonPlace& place, const About& about);
+  Json json() const;
+  static Json schema(const About& about);
+};
 
 // Which OptiTrack assets are which joint: the joint is the mean of the assets' positions. An asset is written
 // as "name" or, where a name stands under two types, "type:name" (types: rigid_body, rigid_body_marker,
@@ -62,17 +73,26 @@ struct JointMapping {
     Joint joint;
     std::vector<std::string> assets;
   };
-  std::vector<Entry> joints;
+  struct Entries : std::vector<Entry> {
+    using std::vector<Entry>::vector;
+    void read(const Json& json, const JsonPlace& place, const About& about);
+    Json json() const;
+    static Json schema(const About& about);
+  };
+  Entries joints;
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.mapping");
+    f("joints", self.joints, need("each with the assets whose mean it is"));
+  }
 };
 
 // mapping.json, format 1: {"joints": {"head": ["head_1", …], …}}. Unknown joints are refused with those
 // known.
 JointMapping read_mapping(const std::filesystem::path& path);
-JointMapping parse_mapping(const Json& json, const std::string& place);
 std::string mapping_text(const JointMapping& mapping);
-// The same of a take without a session, whose points may have any name; `json`: what stands under "joints".
-std::vector<NamedPoint> read_points(const std::filesystem::path& path);
-std::vector<NamedPoint> parse_points(JsonObject& json);
+// The same of a take without a session, whose points may have any name.
+NamedPoints read_points(const std::filesystem::path& path);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 
 // Joints that another method or system gave of a take: a TRC, an OptiTrack CSV, or a CSV with the columns of
@@ -81,8 +101,19 @@ void write_mapping(const std::filesystem::path& path, const JointMapping& mappin
 struct ExternalJoints {
   std::string method;
   std::filesystem::path file;
-  std::vector<NamedPoint> mapping = {};  // empty: by the names in the file
+  NamedPoints mapping = {};  // empty: by the names in the file
   bool clock_by_motion = false;
+
+  static void fields(auto& self, auto&& f) {
+    f("method", self.method, need("name of its rows in the tables"));
+    f("file", self.file, need("TRC, OptiTrack CSV, or a CSV with time_s, joint, x_m, y_m, z_m"));
+    if (f.writes_if(!self.mapping.empty()))
+      f("mapping", self.mapping,
+        opt("of joints to the file's names; without it they are known by their names"));
+    if (f.writes_if(self.clock_by_motion))
+      f.named("clock", self.clock_by_motion, {"stated", "motion"},
+              opt("stated: seconds since the recording's start; motion: found by the motion"));
+  }
 };
 
 // One recorded take: a session, the calibration of its sensors, the OptiTrack export and what is what in it;
@@ -100,9 +131,13 @@ struct Take {
   std::int64_t mocap_start_host_ns = 0;
   std::optional<UpAxis> up_axis = {};  // of the mocap's world; not stated: y
   std::vector<ExternalJoints> joints{};
+
+  static void fields(Take& self, Fields& f);
+  void check(const JsonPlace& place) const;
 };
 
 inline constexpr double kWandBallRadius_m = 0.075;
+inline constexpr Range kBallRadius_m{0.01, 0.3};
 
 // A recording of a wand that was held still at many places, and OptiTrack's export of it; a wand without an
 // export gives poses in a frame of its own.
@@ -112,6 +147,8 @@ struct CampaignWand {
   std::string asset = {};  // whose position is the ball's centre
   std::int64_t mocap_start_host_ns = 0;
   double ball_radius_m = kWandBallRadius_m;
+
+  static void fields(CampaignWand& self, Fields& f);
 };
 
 // A recording of a ball at places whose distance from a sensor was measured, as with a laser meter;
@@ -120,6 +157,13 @@ struct StatedDistances {
   std::filesystem::path session;
   std::filesystem::path places;
   double ball_radius_m = kWandBallRadius_m;
+
+  static void fields(auto& self, auto&& f) {
+    f("session", self.session, need("recording in which the ball is held still at these places"));
+    f("places", self.places,
+      need("CSV with from_s, to_s, sensor, distance_m, and angle_deg where it is known"));
+    f("ball_radius_m", self.ball_radius_m, opt("of the wand's ball", kBallRadius_m));
+  }
 };
 
 // A recording of a flat wall that fills the sensors' images, and its distance from them where it was
@@ -127,6 +171,11 @@ struct StatedDistances {
 struct FlatWall {
   std::filesystem::path session;
   std::optional<double> distance_m = {};
+
+  static void fields(auto& self, auto&& f) {
+    f("session", self.session, need("recording of a flat wall that fills the images"));
+    f("distance_m", self.distance_m, opt("from the sensors, where it was measured", {0.3, 8.0}));
+  }
 };
 
 // A folder of takes, described by its campaign.json (format 1), where paths are relative to the folder.
@@ -139,6 +188,18 @@ struct Campaign {
   std::optional<CampaignWand> wand{};
   std::vector<StatedDistances> stated_distances{};
   std::vector<FlatWall> walls{};
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.campaign");
+    f("name", self.name, need("of the campaign"));
+    f("simulated", self.simulated, opt("every table says so"));
+    f("takes", self.takes, need("what was recorded").items(1));
+    f("wand", self.wand, opt("a recording to calibrate with"));
+    if (f.writes_if(!self.stated_distances.empty()))
+      f("stated_distances", self.stated_distances, opt("recordings of a ball at measured distances"));
+    if (f.writes_if(!self.walls.empty())) f("walls", self.walls, opt("recordings of a flat wall"));
+  }
+  void check(const JsonPlace& place) const;
 };
 
 // `path` is the folder or its campaign.json. Take ids must be unique and usable as names.
@@ -149,6 +210,6 @@ Campaign parse_campaign(const Json& json, const std::filesystem::path& file);
 // blanks or punctuation alone, as "p01" and "P-01". Punctuation between digits tells names apart.
 std::vector<std::string> oddities_of(const Campaign& campaign);
 // Writes paths relative to `folder`, whatever they are.
-void write_campaign(const std::filesystem::path& folder, const Campaign& campaign);
+void write_campaign(const std::filesystem::path& folder, Campaign campaign);
 
 }  // namespace trilat

@@ -30,12 +30,6 @@ void solve_rigid(const AlignmentSums& sums, Alignment& result) {
 
 }  // namespace
 
-std::string_view name_of(AlignmentKind kind) {
-  constexpr std::array<std::string_view, 6> kNames{"none",  "first",    "mean",
-                                                   "rigid", "held_out", "joint_offset"};
-  return kNames.at(static_cast<std::size_t>(kind));
-}
-
 std::optional<AlignmentKind> alignment_from_name(std::string_view name) {
   for (const auto kind : {AlignmentKind::none, AlignmentKind::first, AlignmentKind::mean,
                           AlignmentKind::rigid, AlignmentKind::held_out, AlignmentKind::joint_offset})

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/words.h"
 #include "datasets/geometry/rigid_transform.h"
 #include "evaluators/solvers/point_estimate.h"
 
@@ -27,6 +28,9 @@ enum class AlignmentKind : std::uint8_t {
   // tracker's joint and the markers' are different points of the body.
   joint_offset,
 };
+template <>
+inline constexpr std::array words<AlignmentKind>{"none",  "first",    "mean",
+                                                 "rigid", "held_out", "joint_offset"};
 // Whether the alignment leaves the training part of a take out.
 constexpr bool is_trained(AlignmentKind kind) {
   return kind == AlignmentKind::held_out || kind == AlignmentKind::joint_offset;
@@ -41,7 +45,7 @@ enum class AlignmentStatus : std::uint8_t {
   // cross-covariance: all points on one line, or one point; the rotation is not determined.
   degenerate = 4,
 };
-std::string_view name_of(AlignmentKind kind);
+inline std::string name_of(AlignmentKind kind) { return word_of(kind); }
 std::optional<AlignmentKind> alignment_from_name(std::string_view name);
 std::string_view name_of(AlignmentStatus status);
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "datasets/base/words.h"
 #include "evaluators/fusion/joint_observation.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/sensor_plane.h"
@@ -24,6 +25,8 @@ enum class Loss : std::uint8_t {
   squares,  // s
   cauchy,   // c^2 log(1 + s / c^2), c = loss_scale: beyond it a sensor counts less and less
 };
+template <>
+inline constexpr std::array words<Loss>{"squares", "cauchy"};
 
 struct RangeBearingOptions {
   SensorMask allowed = kAllSensors;

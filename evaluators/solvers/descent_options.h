@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "datasets/base/words.h"
+
 namespace trilat {
 
 enum class Gradient : std::uint8_t {
@@ -12,17 +14,23 @@ enum class Gradient : std::uint8_t {
   printed,
   corrected,  // J^T f
 };
+template <>
+inline constexpr std::array words<Gradient>{"printed", "corrected"};
 
 enum class Damping : std::uint8_t {
   none,  // eq. 14: the plain step, one descent from the start
   lm,    // Levenberg and Marquardt, on both sides of the sensors' plane; corrected gradient only
 };
+template <>
+inline constexpr std::array words<Damping>{"none", "lm"};
 
 enum class StopRule : std::uint8_t {
   printed,    // eq. 19, erratum E8: F_k - F_{k-1} < threshold, true as soon as F falls
   objective,  // |F_k - F_{k-1}| < threshold
   step,       // |x_k - x_{k-1}| < step_tolerance
 };
+template <>
+inline constexpr std::array words<StopRule>{"printed", "objective", "step"};
 
 // The matrix that the step inverts.
 enum class Curvature : std::uint8_t {
@@ -30,6 +38,8 @@ enum class Curvature : std::uint8_t {
   // Half the Hessian of F, J^T J + sum (1 - r/d) (I - u u^T), once Gauss-Newton predicts F well.
   newton,
 };
+template <>
+inline constexpr std::array words<Curvature>{"gauss_newton", "newton"};
 
 struct DescentOptions {
   Gradient gradient = Gradient::corrected;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "datasets/base/words.h"
 #include "evaluators/solvers/descent.h"
 #include "evaluators/solvers/linear.h"
 #include "evaluators/solvers/point_estimate.h"
@@ -18,6 +19,8 @@ enum class Start : std::uint8_t {
   guess,           // the problem's guess; without one, squared_ranges
   point,           // start_point_m
 };
+template <>
+inline constexpr std::array words<Start>{"squared_ranges", "linear", "guess"};
 
 // max_iterations counts for each descent.
 struct NonlinearOptions : DescentOptions {

@@ -219,7 +219,7 @@ void write_study(const Plan& plan, const ErrorSettings& errors, const std::vecto
   std::vector<const Outcome*> outcomes;
   for (std::size_t t = 0; t < plan.takes.size(); ++t) {
     outcomes.push_back(&run.outcome(t));
-    results.push_back(read_as<TakeResult>(JsonObject(outcomes[t]->json, outcomes[t]->place(), "")));
+    results.push_back(read_as<TakeResult>(outcomes[t]->json, outcomes[t]->place()));
   }
   leave_out_repeated(plan, results);
   const RunOutcome outcome = outcome_of(plan, results, cross_check);
@@ -269,18 +269,17 @@ Json manifest_of_plan(const Plan& plan, std::span<const std::vector<TakeInput>> 
                      {"mocap_start_host_ns", planned.take.mocap_start_host_ns},
                      {"instants", planned.instants}});
   }
-  return manifest_of(resolved_json(plan.study),
-                     {{"campaign", plan.campaign.name},
-                      {"calibration", plan.campaign.calibration.filename().string()},
-                      {"simulator_sha256", hash_of_text(json_of(simulator).dump())},
-                      {"simulated", plan.simulated},
-                      {"rig", plan.rig},
-                      {"methods", methods},
-                      {"joints", plan.names},
-                      {"takes", takes},
-                      {"instants", instants},
-                      {"samples", instants * plan.names.size() * plan.methods.size()},
-                      {"inputs", inputs_json(plan, inputs)}});
+  return manifest_of(json_of(plan.study), {{"campaign", plan.campaign.name},
+                                           {"calibration", plan.campaign.calibration.filename().string()},
+                                           {"simulator_sha256", hash_of_text(json_of(simulator).dump())},
+                                           {"simulated", plan.simulated},
+                                           {"rig", plan.rig},
+                                           {"methods", methods},
+                                           {"joints", plan.names},
+                                           {"takes", takes},
+                                           {"instants", instants},
+                                           {"samples", instants * plan.names.size() * plan.methods.size()},
+                                           {"inputs", inputs_json(plan, inputs)}});
 }
 
 void check_cross_check(const Plan& plan) {
@@ -372,8 +371,7 @@ double cost_of(const PlannedTake& take) { return static_cast<double>(take.instan
 std::vector<TakeNote> notes_of(const ItemTally& tally) {
   std::vector<TakeNote> notes;
   for (const auto& [id, outcome] : tally.failed)
-    for (TakeNote& note : read_as<TakeResult>(JsonObject(outcome, id, "")).notes)
-      notes.push_back(std::move(note));
+    for (TakeNote& note : read_as<TakeResult>(outcome, {id, {}}).notes) notes.push_back(std::move(note));
   return notes;
 }
 

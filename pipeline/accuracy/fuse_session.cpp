@@ -87,9 +87,8 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   WatchedFiles files;
   files.add(session);
   files.add(calibration);
-  Json method{{"method", "range_bearing"}};
-  JsonObject object(method, "range_bearing", "");
-  const Plan plan = plan_of(session, calibration, read_method(object), 30.0);
+  const auto method = read_as<MethodSpec>(Json{{"method", "range_bearing"}}, {"range_bearing", {}});
+  const Plan plan = plan_of(session, calibration, method, 30.0);
   const PlannedTake& planned = plan.takes[0];
   const PreparedTake data = load_take(plan, planned, watch.stop_requested);
   if (!data.shown.problem.empty())

@@ -25,7 +25,7 @@ Json json_of(const Take& take, std::span<const TakeInput> inputs) {
             {"participant", participant},
             {"activity", activity},
             {"mocap_start_host_ns", mocap_start_host_ns},
-            {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(up_axis.value_or(UpAxis::y)))}};
+            {"up_axis", word_of(up_axis.value_or(UpAxis::y))}};
   for (const TakeInput& input : inputs) json[input.role] = {input.file, input.sha256};
   for (const ExternalJoints& one : joints) {
     Json points = Json::object();
@@ -66,7 +66,7 @@ std::vector<TakeInput> inputs_of(const Take& take, HashCache& hashes,
 
 std::string key_of_take(const Plan& plan, std::size_t take, std::span<const TakeInput> inputs,
                         bool cross_check) {
-  Json study = resolved_json(at_stage(plan.study, plan.takes[take].stage));
+  Json study = json_of(at_stage(plan.study, plan.takes[take].stage));
   for (const char* key : kOfTheSummary) study.erase(key);
   Json external = Json::array();
   for (std::size_t m = first_external(plan); m < plan.methods.size(); ++m)

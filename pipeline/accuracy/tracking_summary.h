@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
-#include "datasets/base/strict_json.h"
+#include "datasets/base/document.h"
+#include "datasets/base/json.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 
@@ -24,7 +24,10 @@ struct CheckRow {
   double limit = kNoNumber;
   bool beyond = false;
 
-  TRILAT_FIELDS(take, subject, what, unit, value, low, high, limit, beyond)
+  static void fields(auto& self, auto&& f) {
+    f("take", self.take, "subject", self.subject, "what", self.what, "unit", self.unit, "value", self.value,
+      "low", self.low, "high", self.high, "limit", self.limit, "beyond", self.beyond);
+  }
 };
 
 // The offset between mocap and sensors that the motion of one take shows: mocap time = stated + offset. It
@@ -37,7 +40,11 @@ struct ClockRow {
   double peak = kNoNumber, second = kNoNumber;  // correlation of speeds; the next peak as a share of it
   bool applied = false;
 
-  TRILAT_FIELDS(take, status, offset_s, low_s, high_s, drift_ppm, drift_sigma_ppm, peak, second, applied)
+  static void fields(auto& self, auto&& f) {
+    f("take", self.take, "status", self.status, "offset_s", self.offset_s, "low_s", self.low_s, "high_s",
+      self.high_s, "drift_ppm", self.drift_ppm, "drift_sigma_ppm", self.drift_sigma_ppm, "peak", self.peak,
+      "second", self.second, "applied", self.applied);
+  }
 };
 
 // By how much the sensors of one take disagree along their rays and across, without what all sensors have in
@@ -49,7 +56,10 @@ struct RayRow {
   double range_m = kNoNumber, bearing_m = kNoNumber;                        // standard deviations
   double ratio = kNoNumber, ratio_low = kNoNumber, ratio_high = kNoNumber;  // range / bearing, 95 %
 
-  TRILAT_FIELDS(take, rows, problem, range_m, bearing_m, ratio, ratio_low, ratio_high)
+  static void fields(auto& self, auto&& f) {
+    f("take", self.take, "rows", self.rows, "problem", self.problem, "range_m", self.range_m, "bearing_m",
+      self.bearing_m, "ratio", self.ratio, "ratio_low", self.ratio_low, "ratio_high", self.ratio_high);
+  }
 };
 
 // The views of a joint group that a rule calls occluded, against those that truly hide the joint.
@@ -57,7 +67,10 @@ struct RuleRow {
   std::string condition, rule, group;
   std::uint64_t views = 0, hidden = 0, marked = 0, both = 0;
 
-  TRILAT_FIELDS(condition, rule, group, views, hidden, marked, both)
+  static void fields(auto& self, auto&& f) {
+    f("condition", self.condition, "rule", self.rule, "group", self.group, "views", self.views, "hidden",
+      self.hidden, "marked", self.marked, "both", self.both);
+  }
 };
 
 // Sums over the samples of a joint group that have a truth and three ranges that span space.
@@ -71,12 +84,15 @@ struct BoundRow {
   double mean_gdop() const { return gdop / static_cast<double>(n); }
   double bound_m() const { return range_error_m() * mean_gdop(); }
 
-  TRILAT_FIELDS(condition, group, n, ranges, range_error_m2, gdop)
+  static void fields(auto& self, auto&& f) {
+    f("condition", self.condition, "group", self.group, "n", self.n, "ranges", self.ranges, "range_error_m2",
+      self.range_error_m2, "gdop", self.gdop);
+  }
 };
 
 // tracking.json, beside an accuracy study's summary.json.
 struct TrackingSummary {
-  static constexpr const char *kFile = "tracking.json", *kFormat = "trilat.tracking";
+  static constexpr const char* kFile = "tracking.json";
   std::string study;
   bool simulated = false;
   bool repaired = false;  // exchanges that were found were undone
@@ -86,7 +102,11 @@ struct TrackingSummary {
   std::vector<RuleRow> rules = {};  // of simulations whose methods ask what is hidden
   std::vector<BoundRow> bounds = {};
 
-  TRILAT_FIELDS(study, simulated, repaired, checks, clocks, rays, rules, bounds)
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.tracking");
+    f("study", self.study, "simulated", self.simulated, "repaired", self.repaired, "checks", self.checks,
+      "clocks", self.clocks, "rays", self.rays, "rules", self.rules, "bounds", self.bounds);
+  }
 };
 
 }  // namespace trilat

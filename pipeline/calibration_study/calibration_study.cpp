@@ -17,13 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void tell(Settings& s, CalibrationSpec& spec) {
-  if (const JsonObject* object = s.reading())
-    for (const char* key : {"units", "samples", "distortion_units", "runs", "rig", "seed"})
-      object->removed(key, "name a campaign whose recordings it takes; \"bench\" in a simulation makes some");
-  s("frames", spec.frames, {1, 1000}, "of a place, at most, whose mean is a sample");
-}
-
 // One recording to be evaluated.
 struct Recording {
   std::string id, name;
@@ -100,18 +93,17 @@ CalibrationRecordings gather(const std::vector<Recording>& recordings, const Res
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const Recording& recording = recordings[r];
     const Outcome& outcome = run.outcome(r);
-    const JsonObject object(outcome.json, outcome.place(), "");
     if (outcome.failed) {
       summary.failed.push_back(recording.name + ": " + outcome.json.at("problem").get<std::string>());
       continue;
     }
     summary.recordings.push_back(recording.name);
     if (recording.id.starts_with("walls/")) {
-      WallRecording wall = read_as<WallRecording>(object);
+      WallRecording wall = read_as<WallRecording>(outcome.json, outcome.place());
       summary.simulated |= wall.simulated;
       for (WallRow& row : wall.rows) made.walls.emplace_back(std::move(row)).recording = recording.name;
     } else {
-      WandRecording& wand = made.wands.emplace_back(read_as<WandRecording>(object));
+      WandRecording& wand = made.wands.emplace_back(read_as<WandRecording>(outcome.json, outcome.place()));
       wand.name = recording.name;
       if (wand.truth == WandTruth::stated && summary.stated_distances.empty())
         summary.stated_distances = wand.name;
@@ -164,20 +156,6 @@ double cost_of(const Recording& recording) {
 
 }  // namespace
 
-CalibrationSpec parse_calibration_spec(const Json& json, const std::string& place, const fs::path& folder) {
-  CalibrationSpec spec;
-  static_cast<RecordingsStudy&>(spec) =
-      parse_recordings_study(json, place, folder, name_of(StudyKind::calibration),
-                             [&](Settings& settings) { tell(settings, spec); });
-  return spec;
-}
-
-Json resolved_json(const CalibrationSpec& given) {
-  CalibrationSpec spec = given;
-  return resolved_recordings_study(spec, name_of(StudyKind::calibration),
-                                   [&](Settings& settings) { tell(settings, spec); });
-}
-
 std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& campaign) {
   return recordings_of(spec, campaign).size();
 }
@@ -185,7 +163,7 @@ std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& 
 ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign, const fs::path& folder,
                           const StudyOptions& options) {
   const std::vector<Recording> recordings = recordings_of(spec, campaign);
-  const Json resolved = resolved_json(spec);
+  const Json resolved = json_of(spec);
   HashCache hashes;
   hashes.load(folder);
   std::vector<ResultsRun::Item> items;

@@ -15,13 +15,14 @@ namespace trilat {
 // stated distances and walls.
 struct CalibrationSpec : RecordingsStudy {
   std::uint64_t frames = 5;  // of a place, whose mean is a sample
+
+  static void fields(auto& self, Fields& f) {
+    visit_head(self, f, StudyKind::calibration);
+    for (const char* key : {"units", "samples", "distortion_units", "runs", "rig", "seed"})
+      f.removed(key, "name a campaign whose recordings it takes; \"bench\" in a simulation makes some");
+    f("frames", self.frames, opt("of a place, at most, whose mean is a sample", {1.0, 1000.0}));
+  }
 };
-
-CalibrationSpec parse_calibration_spec(const Json& json, const std::string& place,
-                                       const std::filesystem::path& folder);
-
-// Every setting written out, defaults included.
-Json resolved_json(const CalibrationSpec& spec);
 
 // How many recordings the campaign has that sensors can be calibrated by. InputError where it has none.
 std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& campaign);

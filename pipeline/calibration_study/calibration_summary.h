@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -21,7 +21,7 @@ enum class WandTruth : std::uint8_t {
   sensors     // the other sensors, in the poses that the other places give
 };
 template <>
-inline constexpr int kEnumValues<WandTruth> = 3;
+inline constexpr std::array words<WandTruth>{"stated", "optitrack", "sensors"};
 
 // The ball as one method found it in one sensor's frames at one place.
 struct WandSample {
@@ -32,8 +32,11 @@ struct WandSample {
   double distance_error_m = kNotMeasured;  // absolute; NaN: no answer
   double error_m = kNotMeasured;  // in three dimensions; NaN: no answer, or only the distance is known
 
-  static constexpr bool as_list = true;
-  TRILAT_FIELDS(method, sensor, place, distance_m, angle_rad, distance_error_m, error_m)
+  static constexpr bool kIsList = true;
+  static void fields(auto& self, auto&& f) {
+    f("method", self.method, "sensor", self.sensor, "place", self.place, "distance_m", self.distance_m,
+      "angle_rad", self.angle_rad, "distance_error_m", self.distance_error_m, "error_m", self.error_m);
+  }
 };
 
 // A sensor's pose by one way to calibrate, beside the one that the campaign states.
@@ -43,7 +46,11 @@ struct PoseDifference {
   double position_sigma_m = kNotMeasured, rotation_sigma_rad = kNotMeasured;  // stated, an axis
   std::string problem = {};  // reason why the method gives no pose; empty with one
 
-  TRILAT_FIELDS(method, sensor, position_m, rotation_rad, position_sigma_m, rotation_sigma_rad, problem)
+  static void fields(auto& self, auto&& f) {
+    f("method", self.method, "sensor", self.sensor, "position_m", self.position_m, "rotation_rad",
+      self.rotation_rad, "position_sigma_m", self.position_sigma_m, "rotation_sigma_rad",
+      self.rotation_sigma_rad, "problem", self.problem);
+  }
 };
 
 // One recording of a ball that was held at places whose distance is known.
@@ -59,7 +66,11 @@ struct WandRecording {
   std::vector<PoseDifference> poses;
   std::vector<std::string> notes;
 
-  TRILAT_FIELDS(name, truth, simulated, ball_radius_m, frames, sensors, samples, statuses, poses, notes)
+  static void fields(auto& self, auto&& f) {
+    f("name", self.name, "truth", self.truth, "simulated", self.simulated, "ball_radius_m",
+      self.ball_radius_m, "frames", self.frames, "sensors", self.sensors, "samples", self.samples, "statuses",
+      self.statuses, "poses", self.poses, "notes", self.notes);
+  }
 };
 
 // A flat wall as one sensor saw it. Columns are those of the image's middle row.
@@ -73,15 +84,18 @@ struct WallRow {
   std::vector<double> residual_m;  // mean absolute difference of a column's depth from the plane
   std::vector<double> printed_error_m;  // sideways, of eq. 4 as printed (E2)
 
-  TRILAT_FIELDS(recording, sensor, stated_m, distance_m, tilt_rad, frames, noise_m, residual_m,
-                printed_error_m)
+  static void fields(auto& self, auto&& f) {
+    f("recording", self.recording, "sensor", self.sensor, "stated_m", self.stated_m, "distance_m",
+      self.distance_m, "tilt_rad", self.tilt_rad, "frames", self.frames, "noise_m", self.noise_m,
+      "residual_m", self.residual_m, "printed_error_m", self.printed_error_m);
+  }
 };
 
 // One recording of a flat wall.
 struct WallRecording {
   bool simulated = false;
   std::vector<WallRow> rows;
-  TRILAT_FIELDS(simulated, rows)
+  static void fields(auto& self, auto&& f) { f("simulated", self.simulated, "rows", self.rows); }
 };
 
 // Outcomes of all recordings of a study.
@@ -109,7 +123,11 @@ struct CalibrationSummary {
   std::uint64_t rows = 0;
   Numbers numbers = {};
 
-  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, stated_distances, failed, rows)
+  static void fields(auto& self, auto&& f) {
+    f("study", self.study, "campaign", self.campaign, "paper", self.paper, "simulated", self.simulated,
+      "recordings", self.recordings, "stated_distances", self.stated_distances, "failed", self.failed, "rows",
+      self.rows);
+  }
 };
 
 }  // namespace trilat

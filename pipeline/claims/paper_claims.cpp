@@ -5,85 +5,80 @@
 #include <array>
 #include <set>
 
-#include "datasets/base/strict_json.h"
 #include "pipeline/claims/embedded_claims.h"
 #include "pipeline/claims/error_measures.h"
 
 namespace trilat {
 namespace {
 
-// In the order of the enum.
-const std::vector<std::string> kKinds{"tested", "listed", "contradicts", "untestable"};
 // Repetitions whose numbers are errors of joints.
 const std::set<std::string> kOfJoints{name_of(PaperStudy::table2), name_of(PaperStudy::table3),
                                       name_of(PaperStudy::sensors)};
 
-std::optional<ClaimBound> read_bound(JsonObject& object) {
+void visit_bound(Fields& f, std::optional<ClaimBound>& bound) {
   constexpr std::array kSides{"more_than", "less_than", "within"};
-  std::optional<ClaimBound> bound;
-  for (std::size_t side = 0; side < kSides.size(); ++side)
-    if (object.has(kSides[side]))
-      bound = ClaimBound{static_cast<ClaimBound::Side>(side), object.number(kSides[side])};
-  return bound;
+  for (std::size_t side = 0; side < kSides.size(); ++side) {
+    std::optional<double> margin;
+    f(kSides[side], margin, kMayLack);
+    if (!margin) continue;
+    bound = ClaimBound{static_cast<ClaimBound::Side>(side), *margin};
+  }
 }
 
-ClaimedNumber read_number(JsonObject& object, const std::string& study) {
-  const bool is_of_joints = kOfJoints.contains(study);
-  ClaimedNumber number;
-  number.key = {.condition = object.text("condition", is_of_joints ? "walking" : ""),
-                .group = object.text("group", is_of_joints ? kPaperJoints : ""),
-                .method = object.text("method", ""),
-                .against = object.text("against", ""),
-                .measure = object.text("measure", "distance"),
-                .statistic = object.text("statistic", "relative_difference")};
-  number.what = object.text("what", "");
-  number.less = object.number("less_m", 0.0);
-  number.bound = read_bound(object);
-  object.finish();
-  return number;
+// Numbers of a repetition; of errors of joints they are of walking and the paper's joints unless they say
+// otherwise.
+void visit_numbers(Fields& f, const std::string& study, std::vector<ClaimedNumber>& numbers) {
+  f("numbers", numbers, kMayLack);
+  if (!kOfJoints.contains(study)) return;
+  for (ClaimedNumber& number : numbers) {
+    if (number.key.condition.empty()) number.key.condition = "walking";
+    if (number.key.group.empty()) number.key.group = kPaperJoints;
+  }
 }
 
-std::vector<ClaimedNumber> read_numbers(JsonObject& object, const std::string& study) {
-  std::vector<ClaimedNumber> numbers;
-  if (object.has("numbers"))
-    for (JsonObject& number : object.objects("numbers")) numbers.push_back(read_number(number, study));
-  return numbers;
+}  // namespace
+
+void ClaimedNumber::fields(ClaimedNumber& self, Fields& f) {
+  NumberKey& key = self.key;
+  key.measure = "distance";
+  key.statistic = "relative_difference";
+  f("condition", key.condition, kMayLack);
+  f("group", key.group, kMayLack);
+  f("method", key.method, kMayLack);
+  f("against", key.against, kMayLack);
+  f("measure", key.measure, kMayLack);
+  f("statistic", key.statistic, kMayLack);
+  f("what", self.what, kMayLack);
+  f("less_m", self.less, kMayLack);
+  visit_bound(f, self.bound);
 }
 
-PaperClaim read_claim(JsonObject& object) {
-  const std::string study = object.text("study", "");
-  PaperClaim claim{object.text("id"),
-                   object.text("where"),
-                   object.text("claim"),
-                   object.text("printed"),
-                   static_cast<ClaimKind>(object.choice("kind", kKinds, 0)),
-                   study,
-                   read_bound(object),
-                   object.text("why"),
-                   read_numbers(object, study)};
-  object.finish();
-  return claim;
+void PaperClaim::fields(PaperClaim& self, Fields& f) {
+  f("id", self.id, "where", self.where, "claim", self.text, "printed", self.printed, "why", self.why);
+  f("kind", self.kind, kMayLack);
+  f("study", self.study, kMayLack);
+  visit_bound(f, self.bound);
+  visit_numbers(f, self.study, self.numbers);
 }
+
+void ErratumEffect::fields(ErratumEffect& self, Fields& f) {
+  f("erratum", self.id, "study", self.study);
+  visit_numbers(f, self.study, self.numbers);
+}
+
+namespace {
 
 struct ClaimsFile {
   std::vector<PaperClaim> claims;
   std::vector<ErratumEffect> effects;
+
+  static void fields(auto& self, auto&& f) { f("claims", self.claims, "effects", self.effects); }
 };
 
 const ClaimsFile& claims_file() {
-  static const ClaimsFile file = [] {
+  static const auto file = [] {
     const std::string place = "pipeline/claims/claims.json";
-    const Json json = parse_json(embedded::claims_json, place);
-    JsonObject object(json, place, "");
-    ClaimsFile read;
-    for (JsonObject& claim : object.objects("claims")) read.claims.push_back(read_claim(claim));
-    for (JsonObject& effect : object.objects("effects")) {
-      const std::string study = effect.text("study");
-      read.effects.push_back({effect.text("erratum"), study, read_numbers(effect, study)});
-      effect.finish();
-    }
-    object.finish();
-    return read;
+    return read_as<ClaimsFile>(parse_json(embedded::claims_json, place), {place});
   }();
   return file;
 }

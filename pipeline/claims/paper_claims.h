@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/base/document.h"
 #include "datasets/results/numbers.h"
 #include "pipeline/claims/claim_number.h"
 
@@ -19,6 +20,8 @@ struct ClaimedNumber {
   std::string what = {};                 // empty: "METHOD against AGAINST, GROUP"
   double less = 0.0;                     // is taken off the value, in SI units
   std::optional<ClaimBound> bound = {};  // instead of the claim's
+
+  static void fields(ClaimedNumber& self, Fields& f);
 };
 
 // Which claims count as one of a family of tests.
@@ -28,20 +31,26 @@ enum class ClaimKind : std::uint8_t {
   contradicts,  // by the paper's own numbers
   untestable,   // here; `why` says what would have to be
 };
+template <>
+inline constexpr std::array words<ClaimKind>{"tested", "listed", "contradicts", "untestable"};
 
 struct PaperClaim {
   std::string id, where, text, printed;
   ClaimKind kind = ClaimKind::tested;
-  std::string study = {};  // of kPaperStudies: the repetition whose results it is judged by
+  std::string study = {};  // of words<PaperStudy>: the repetition whose results it is judged by
   std::optional<ClaimBound> bound = {};
   std::string why = {};  // this margin
   std::vector<ClaimedNumber> numbers = {};
+
+  static void fields(PaperClaim& self, Fields& f);
 };
 
 // Effect of an erratum on errors: the method as printed against the corrected one.
 struct ErratumEffect {
   std::string id, study;
   std::vector<ClaimedNumber> numbers;
+
+  static void fields(ErratumEffect& self, Fields& f);
 };
 
 // claims.json, which is in the program.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 
 namespace trilat {
 

@@ -138,7 +138,7 @@ void print_calibration(const Calibration& calibration, const std::vector<SensorE
     print_text(calibration, evidence, output);
     return;
   }
-  Json document = calibration_json(calibration);
+  Json document = json_of(calibration);
   document["calibration"] = output.string();
   document["look_at"] = doubts_about(calibration);
   fmt::print("{}\n", json_text(document, 2));

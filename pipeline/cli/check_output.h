@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 
 namespace trilat {
 
@@ -23,7 +23,9 @@ struct OutputMark {
   std::vector<std::string> names;  // of the study or the simulated campaign; of a report all its studies
   std::string campaign = {};       // whose takes a study evaluates
 
-  TRILAT_FIELDS(verb, names, campaign)
+  static void fields(auto& self, auto&& f) {
+    f("verb", self.verb, "names", self.names, "campaign", self.campaign);
+  }
 };
 
 // The rule for outputs, asked before anything is written: a folder has to be absent, empty, or marked as of

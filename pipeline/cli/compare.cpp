@@ -36,8 +36,7 @@ Campaign campaign_of(const CompareArguments& a) {
   take.activity = take.id;
   take.mocap = a.truth;
   take.mapping = a.mapping;
-  if (!a.up.empty())
-    take.up_axis = static_cast<UpAxis>(std::ranges::find(kUpAxisNames, a.up) - kUpAxisNames.begin());
+  if (!a.up.empty()) take.up_axis = a.up == "z" ? UpAxis::z : UpAxis::y;
   std::set<std::string> names;
   for (const std::filesystem::path& file : a.files) {
     const std::string name = file.stem().string();
@@ -118,7 +117,7 @@ void add_compare(CLI::App& app, int& code) {
       "--mapping", a.mapping,
       "mapping.json of the truth's assets; without it the names that both files have are compared");
   verb.add_option("--up", a.up, "the axis of the files that points up; y where it is not stated")
-      ->check(CLI::IsMember(std::vector<std::string>(kUpAxisNames.begin(), kUpAxisNames.end())));
+      ->check(CLI::IsMember(words_of<UpAxis>()));
   verb.add_flag("--clock-by-motion", a.clock_by_motion, "put each file at the start that its motion shows");
   verb.add_option("-o,--output", a.output, "results folder")->capture_default_str();
   add_threads(verb, a.threads);

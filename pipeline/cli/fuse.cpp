@@ -32,8 +32,7 @@ MethodSpec method_of(const FuseArguments& a) {
                      fmt::format("is for --method single; {} uses all sensors of the session", a.method));
   Json json{{"method", a.method}};
   if (!a.sensor.empty()) json["sensors"] = {a.sensor};
-  JsonObject object(json, "--method", "");
-  return read_method(object);
+  return read_as<MethodSpec>(json, {"--method", {}});
 }
 
 struct JointFormat {

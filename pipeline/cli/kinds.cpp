@@ -53,11 +53,11 @@ Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) 
 OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
   const SweepSpec spec = parse_sweep(study, arguments.study.string());
   const std::size_t cells = spec.cells.size();
-  const std::size_t choices = cells / (spec.rigs.size() * spec.thresholds.size() * spec.ranges_m.size());
+  const std::size_t choices = cells / (spec.rigs.size() * spec.thresholds.size() * spec.ranges.size());
   return {.run = [spec, output = arguments.output](
                      const StudyOptions& options) { return run_sweep(spec, output, options); },
           .print_plan = prints(
-              {{"study", resolved_json(spec)},
+              {{"study", json_of(spec)},
                {"simulated", true},
                {"cells", cells},
                {"trials", cells * spec.trials},
@@ -65,7 +65,7 @@ OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
               fmt::format(
                   "study {} (simulated): {} rigs, {} thresholds, {} error ranges and {} other choices = {} "
                   "cells x {} trials = {} trials; {} combinations are skipped",
-                  spec.name, spec.rigs.size(), spec.thresholds.size(), spec.ranges_m.size(), choices, cells,
+                  spec.name, spec.rigs.size(), spec.thresholds.size(), spec.ranges.size(), choices, cells,
                   spec.trials, cells * spec.trials, spec.skipped))};
 }
 
@@ -75,25 +75,25 @@ OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, con
                             std::size_t items,
                             ItemTally (*run)(const Spec&, const Campaign&, const fs::path&,
                                              const StudyOptions&)) {
-  return {
-      .run = [=, output = arguments.output](
-                 const StudyOptions& options) { return run(spec, campaign, output, options); },
-      .print_plan = prints({{"study", resolved_json(spec)}, {"campaign", campaign.name}, {"items", items}},
-                           fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name, items,
-                                       items == 1 ? "" : "s")),
-      .inputs = inputs_of(campaign),
-      .campaign = campaign};
+  return {.run = [=, output = arguments.output](
+                     const StudyOptions& options) { return run(spec, campaign, output, options); },
+          .print_plan = prints({{"study", json_of(spec)}, {"campaign", campaign.name}, {"items", items}},
+                               fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name,
+                                           items, items == 1 ? "" : "s")),
+          .inputs = inputs_of(campaign),
+          .campaign = campaign};
 }
 
 OpenedStudy open_clocks(const RunArguments& arguments, const Json& study) {
-  const ClocksSpec spec = parse_clocks_spec(study, arguments.study.string(), arguments.study.parent_path());
+  const ClocksSpec spec =
+      read_as<ClocksSpec>(study, {arguments.study.string(), arguments.study.parent_path()});
   return open_recordings(arguments, spec, recordings_of(spec.campaign, arguments), 1, run_clocks);
 }
 
 // A session that is named alone shows a wand where its name says nothing else.
 OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
   const CalibrationSpec spec =
-      parse_calibration_spec(study, arguments.study.string(), arguments.study.parent_path());
+      read_as<CalibrationSpec>(study, {arguments.study.string(), arguments.study.parent_path()});
   Campaign campaign = recordings_of(spec.campaign, arguments);
   if (arguments.campaign.extension() == ".h5" && !campaign.takes.empty())
     campaign.wand = {.session = campaign.takes.front().session};
@@ -161,12 +161,12 @@ std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::st
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> kinds{
-      {StudyKind::accuracy, "takes", "", open_accuracy, print_accuracy, accuracy_schema},
+      {StudyKind::accuracy, "takes", "", open_accuracy, print_accuracy, schema_of<StudySpec>},
       {StudyKind::threshold_sweep, "items",
        "a threshold sweep makes its own trials and places its own sensors", open_sweep, print_tables,
-       sweep_schema},
-      {StudyKind::calibration, "items", "", open_calibration, print_calibration, calibration_study_schema},
-      {StudyKind::clocks, "items", "", open_clocks, print_tables, clocks_schema}};
+       schema_of<SweepSpec>},
+      {StudyKind::calibration, "items", "", open_calibration, print_calibration, schema_of<CalibrationSpec>},
+      {StudyKind::clocks, "items", "", open_clocks, print_tables, schema_of<ClocksSpec>}};
   return kinds;
 }
 

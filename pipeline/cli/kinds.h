@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
 #include "datasets/take/campaign.h"
@@ -83,10 +83,5 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign);
 
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
 int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown);
-
-Json accuracy_schema();
-Json sweep_schema();
-Json calibration_study_schema();
-Json clocks_schema();
 
 }  // namespace trilat

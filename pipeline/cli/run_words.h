@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

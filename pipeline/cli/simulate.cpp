@@ -30,7 +30,7 @@ struct SimulateArguments {
 std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, const SimulationSpec& spec) {
   std::vector<std::filesystem::path> files{arguments.spec};
   if (spec.recorded) files.insert(files.end(), {spec.recorded->mocap, spec.recorded->mapping});
-  if (!spec.body_tracker_file.empty()) files.push_back(spec.body_tracker_file);
+  if (!spec.body_tracker.file.empty()) files.push_back(spec.body_tracker.file);
   return files;
 }
 

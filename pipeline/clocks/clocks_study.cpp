@@ -29,11 +29,6 @@ constexpr double kSigmas = 4.0;
 // Those that say when a frame was sent; the sensor's ticks say when it was exposed.
 constexpr auto kQueueMethods = static_cast<std::size_t>(ClockMethod::ticks);
 
-void tell(Settings& s, ClocksSpec& spec) {
-  s("late_s", spec.late_s, {0.0, 10.0},
-    "the most by which a frame may be late for the paper's queue, and from its exposure to count as in time");
-}
-
 // Moments at which the server takes frames out of its queues; a server's own frame is as long as the limit.
 struct ServerWay {
   const char* name;
@@ -245,19 +240,6 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
 
 }  // namespace
 
-ClocksSpec parse_clocks_spec(const Json& json, const std::string& place, const fs::path& folder) {
-  ClocksSpec spec;
-  static_cast<RecordingsStudy&>(spec) = parse_recordings_study(
-      json, place, folder, name_of(StudyKind::clocks), [&](Settings& settings) { tell(settings, spec); });
-  return spec;
-}
-
-Json resolved_json(const ClocksSpec& given) {
-  ClocksSpec spec = given;
-  return resolved_recordings_study(spec, name_of(StudyKind::clocks),
-                                   [&](Settings& settings) { tell(settings, spec); });
-}
-
 ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs::path& folder,
                      const StudyOptions& options) {
   std::vector<fs::path> files;
@@ -266,7 +248,7 @@ ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs:
     files.push_back(recording.session);
     inputs.push_back({recording.take, "session", recording.session});
   }
-  const Json resolved = resolved_json(spec);
+  const Json resolved = json_of(spec);
   const WatchedFiles watched(files);  // from before they are read
   HashCache hashes;
   hashes.load(folder);
@@ -291,7 +273,7 @@ ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs:
   if (run.is_whole())
     run.publish_results(manifest, [&](const fs::path& into) {
       const Outcome& outcome = run.outcome(0);
-      auto summary = read_as<ClocksSummary>(JsonObject(outcome.json, outcome.place(), ""));
+      auto summary = read_as<ClocksSummary>(outcome.json, outcome.place());
       summary.numbers = read_numbers(outcome.folder, summary.rows);
       summary.campaign = campaign.name;  // which is not in the item's key
       const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);

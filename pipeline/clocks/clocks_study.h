@@ -19,12 +19,15 @@ struct ClocksSpec : RecordingsStudy {
   // The most by which a frame's time of sending may differ from the server's time for the paper's queue, and
   // the time from exposure within which a frame counts as in time.
   double late_s = 1.0 / 30.0;
+
+  static void fields(auto& self, Fields& f) {
+    visit_head(self, f, StudyKind::clocks);
+    f("late_s", self.late_s,
+      opt("the most by which a frame may be late for the paper's queue, and from its exposure to count as in "
+          "time",
+          {0.0, 10.0}));
+  }
 };
-
-ClocksSpec parse_clocks_spec(const Json& json, const std::string& place, const std::filesystem::path& folder);
-
-// Every setting written out, defaults included.
-Json resolved_json(const ClocksSpec& spec);
 
 // Evaluates all recordings of the campaign, its wand's too, on the threads of the current arena. summary.json
 // is a ClocksSummary. A sensor without clock exchanges is left out and named; InputError where none has any;

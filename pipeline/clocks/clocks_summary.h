@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -47,7 +47,10 @@ struct ClocksSummary {
   std::uint64_t rows = 0;
   Numbers numbers = {};
 
-  TRILAT_FIELDS(study, campaign, paper, simulated, recordings, late_s, failed, rows)
+  static void fields(auto& self, auto&& f) {
+    f("study", self.study, "campaign", self.campaign, "paper", self.paper, "simulated", self.simulated,
+      "recordings", self.recordings, "late_s", self.late_s, "failed", self.failed, "rows", self.rows);
+  }
 };
 
 }  // namespace trilat

@@ -92,10 +92,10 @@ void add_take(TakeErrorsReader before, TakeErrorsReader now, CommonErrorsOfRows&
 std::map<std::string, std::filesystem::path> kept_takes(const std::filesystem::path& results) {
   constexpr std::string_view kOfTakes = "takes/";
   std::map<std::string, std::filesystem::path> folders;
-  for (const auto& [id, key] : read_item_keys(results)) {
-    const std::filesystem::path folder = ItemStore(results).folder(key);
-    if (id.starts_with(kOfTakes) && !key.empty() && std::filesystem::exists(folder / StoredTake::kName))
-      folders[id.substr(kOfTakes.size())] = folder;
+  for (const auto& [id, key] : read_manifest(results).items) {
+    if (!id.starts_with(kOfTakes) || !key) continue;
+    const std::filesystem::path folder = ItemStore(results).folder(*key);
+    if (std::filesystem::exists(folder / StoredTake::kName)) folders[id.substr(kOfTakes.size())] = folder;
   }
   return folders;
 }

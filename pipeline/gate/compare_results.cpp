@@ -20,6 +20,18 @@
 namespace trilat {
 namespace {
 
+// What a summary of another kind than accuracy says of its recordings and numbers.
+struct OtherSummary {
+  static constexpr bool kHasMore = true;
+  std::vector<std::string> failed;
+  std::uint64_t rows = 0;
+
+  static void fields(auto& self, auto&& f) {
+    f("failed", self.failed, kMayLack);
+    f("rows", self.rows);
+  }
+};
+
 constexpr std::uint64_t kMinLost = 15;  // samples of a take: the loss of fewer says nothing
 
 // Whether a length grew or fell by more than the limits.
@@ -295,13 +307,12 @@ class Comparison {
 
   void compare_other_kind(const ResultsPair& pair, StudyVerdict& verdict) {
     const auto summary = [](const FoundResults& found) {
-      return JsonObject(found.summary, (found.folder / "summary.json").string(), "");
+      return read_as<OtherSummary>(found.summary, {found.folder / "summary.json"});
     };
-    const auto failed = [&](const FoundResults& found) { return summary(found).texts("failed", {}); };
     const auto numbers = [&](const FoundResults& found) {
-      return read_numbers(found.folder, summary(found).count("rows"));
+      return read_numbers(found.folder, summary(found).rows);
     };
-    const std::vector<std::string> before = failed(pair.before), now = failed(pair.now);
+    const std::vector<std::string> before = summary(pair.before).failed, now = summary(pair.now).failed;
     std::vector<std::string> fresh;
     std::ranges::copy_if(now, std::back_inserter(fresh), [&](const std::string& text) {
       return std::ranges::find(before, text) == before.end();

@@ -9,6 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/results/item_store.h"
 #include "datasets/results/numbers.h"
 
 namespace trilat {
@@ -32,11 +33,11 @@ FoundResults read_found(const fs::path& folder, const std::string& name) {
   found.summary = read_results_json(folder);
   found.manifest = read_json(folder / "manifest.json");
   if (fs::exists(folder / kNumbersFile)) found.numbers = read_file(folder / kNumbersFile, kMaxNumbersBytes);
-  JsonObject manifest(found.manifest, (folder / "manifest.json").string(), "");
-  check_format(manifest, "trilat.manifest", 2);
-  found.study = manifest.object("study").text("name");
+  const Manifest manifest = read_manifest(folder);
+  found.study = manifest.study.name;
   found.name = name.empty() ? found.study : name;
-  check_same_run(manifest, found.kind, text_of(found.summary, "study"), text_of(found.summary, "campaign"));
+  check_same_run(manifest, name_of(found.kind), text_of(found.summary, "study"),
+                 text_of(found.summary, "campaign"));
   if (found.kind == StudyKind::accuracy && found.summary.value("rows", 0) == 0)
     throw InputError((folder / kNumbersFile).string(), "has no number: nothing was evaluated");
   return found;

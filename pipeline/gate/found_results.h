@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {

@@ -142,22 +142,6 @@ std::string headline_of(const GateReport& report) {
 
 }  // namespace
 
-const char* name_of(StudyState state) {
-  constexpr std::array<const char*, 5> kNames{"identical", "compared", "not_judged", "only_now",
-                                              "only_before"};
-  return kNames.at(static_cast<std::size_t>(state));
-}
-
-const char* name_of(FindingKind kind) {
-  constexpr std::array<const char*, 4> kNames{"accuracy", "coverage", "failure", "number"};
-  return kNames.at(static_cast<std::size_t>(kind));
-}
-
-const char* name_of(Direction direction) {
-  constexpr std::array<const char*, 3> kNames{"worse", "better", "changed"};
-  return kNames.at(static_cast<std::size_t>(direction));
-}
-
 GateFinding finding_of(const CellName& cell, FindingKind kind, Direction direction, bool alarm) {
   GateFinding finding;
   static_cast<CellName&>(finding) = cell;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/gate_history.h"
 #include "datasets/results/numbers.h"
 
@@ -27,10 +27,12 @@ enum class FindingKind : std::uint8_t {
   failure,   // takes that could not be evaluated, cross-checks that fail, studies that are gone
   number,    // any other number
 };
-const char* name_of(FindingKind kind);
+template <>
+inline constexpr std::array words<FindingKind>{"accuracy", "coverage", "failure", "number"};
 
 enum class Direction : std::uint8_t { worse, better, changed };
-const char* name_of(Direction direction);
+template <>
+inline constexpr std::array words<Direction>{"worse", "better", "changed"};
 
 // A cell of a study's table; of a number of a deterministic study only the study.
 struct CellName {
@@ -52,14 +54,12 @@ struct GateFinding : CellName {
   std::string note;            // a sentence more: exact counts, which take
   std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
 
-  static void fields(auto& self, auto&& field) {
-    field("kind", name_of(self.kind));
-    field("direction", name_of(self.direction));
-    TRILAT_EACH(alarm, study, method, condition, group, what, unit, before, now)
-    field("change_percent", self.percent);
-    field("change_low_percent", self.low);
-    field("change_high_percent", self.high);
-    TRILAT_EACH(chance, clusters, note, since)
+  static void fields(auto& self, auto&& f) {
+    f("kind", self.kind, "direction", self.direction, "alarm", self.alarm, "study", self.study, "method",
+      self.method, "condition", self.condition, "group", self.group, "what", self.what, "unit", self.unit,
+      "before", self.before, "now", self.now, "change_percent", self.percent, "change_low_percent", self.low,
+      "change_high_percent", self.high, "chance", self.chance, "clusters", self.clusters, "note", self.note,
+      "since", self.since);
   }
 };
 
@@ -81,7 +81,9 @@ enum class StudyState : std::uint8_t {
   only_now,     // not in the baseline
   only_before,  // in the baseline alone
 };
-const char* name_of(StudyState state);
+template <>
+inline constexpr std::array words<StudyState>{"identical", "compared", "not_judged", "only_now",
+                                              "only_before"};
 
 struct StudyVerdict {
   std::string study, kind;
@@ -90,10 +92,9 @@ struct StudyVerdict {
   std::string note;                   // what else is to be known of the comparison
   std::size_t participants = 0;       // of a study that is not judged
 
-  static void fields(auto& self, auto&& field) {
-    TRILAT_EACH(study, kind)
-    field("state", name_of(self.state));
-    TRILAT_EACH(settings, note)
+  static void fields(auto& self, auto&& f) {
+    f("study", self.study, "kind", self.kind, "state", self.state, "settings", self.settings, "note",
+      self.note);
   }
 };
 

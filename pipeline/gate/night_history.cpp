@@ -42,7 +42,7 @@ std::map<std::string, double> mean_errors_of(const ResultsSet& results) {
 
 std::string key_of(const GateFinding& f) {
   std::string key =
-      fmt::format("{} | {} | {} | {} | {}", name_of(f.kind), f.study, f.method, f.condition, f.group);
+      fmt::format("{} | {} | {} | {} | {}", word_of(f.kind), f.study, f.method, f.condition, f.group);
   if (f.kind == FindingKind::number || f.kind == FindingKind::failure) key += " | " + f.what;
   std::ranges::replace(key, ';', ',');  // which separates alarms in the history
   return key;

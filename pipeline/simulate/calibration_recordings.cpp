@@ -75,7 +75,7 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
                    const Watch& watch) {
   make_folder(folder);
   const SimulatedItem item = wand_item(spec);
-  const Person person = draw_person(spec.seed, 0, spec.stature_mean_m, spec.stature_half_range_m);
+  const Person person = draw_person(spec.seed, 0, spec.stature.mean_m, spec.stature.half_range_m);
   const WandMotion wand(spec.wand->motion, spec.seed, rig_centre_m, person);
   std::vector<SimulatedSensor> sensors;
   for (const SensorPose& pose : poses)

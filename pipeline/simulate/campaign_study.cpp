@@ -11,27 +11,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The entries of campaign.json on a take besides its files.
-Json json_of(const Take& take) {
-  return {{"participant", take.participant},
-          {"activity", take.activity},
-          {"mocap_start_host_ns", take.mocap_start_host_ns},
-          {"up_axis", kUpAxisNames.at(static_cast<std::size_t>(take.up_axis.value_or(UpAxis::y)))}};
-}
+// What campaign.json says of a take besides its files.
+struct TakeEntry {
+  std::string participant, activity;
+  std::int64_t mocap_start_host_ns = 0;
+  UpAxis up_axis = UpAxis::y;
 
-Take read_take(const std::string& id, const Json& json, const std::string& place, const fs::path& folder) {
-  JsonObject object(json, place, "");
-  Take take{id,
-            object.text("participant"),
-            object.text("activity"),
-            folder / id / "session.h5",
-            folder / "calibration.json",
-            folder / id / "mocap.csv",
-            folder / id / "mapping.json",
-            object.integer("mocap_start_host_ns"),
-            read_up_axis(object)};
-  object.finish();
-  return take;
+  static void fields(auto& self, auto&& f) {
+    f("participant", self.participant, "activity", self.activity, "mocap_start_host_ns",
+      self.mocap_start_host_ns, "up_axis", self.up_axis);
+  }
+};
+
+Take take_of(const std::string& id, const TakeEntry& entry, const fs::path& folder) {
+  return {id,
+          entry.participant,
+          entry.activity,
+          folder / id / "session.h5",
+          folder / "calibration.json",
+          folder / id / "mocap.csv",
+          folder / id / "mapping.json",
+          entry.mocap_start_host_ns,
+          entry.up_axis};
 }
 
 // Moves what the items recorded out of the store.
@@ -46,7 +47,7 @@ void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated
     fs::rename(outcome.folder, folder / id);
     fs::remove(folder / id / "item.json");
     if (!outcome.json.is_null())
-      campaign.takes.push_back(read_take(id, outcome.json, outcome.place(), folder));
+      campaign.takes.push_back(take_of(id, read_as<TakeEntry>(outcome.json, outcome.place()), folder));
   }
   write_campaign(folder, campaign);
 }
@@ -75,7 +76,9 @@ ItemTally record_campaign(const SimulationSpec& spec, const std::string& sha256,
     run.compute([&](std::size_t r, const fs::path& into, const Watch& watch) -> Json {
       const std::optional<Take> take = simulate_recording(spec, campaign, r, into, watch);
       inputs.check();
-      return take ? json_of(*take) : Json();
+      if (!take) return Json();
+      return json_of(TakeEntry{take->participant, take->activity, take->mocap_start_host_ns,
+                               take->up_axis.value_or(UpAxis::y)});
     });
     run.publish("campaign.json", is_of_campaign, [&](const fs::path& into) {
       write_rig(spec, campaign.rig, into);

@@ -42,11 +42,11 @@ SceneMotion scene_of(const SimulationSpec& spec, const SimulatedTakePlan& plan,
 std::vector<SimulatedTakePlan> generated_takes(const SimulationSpec& spec) {
   std::vector<SimulatedTakePlan> takes;
   for (std::uint64_t p = 0; p < spec.participants; ++p) {
-    const Person person = draw_person(spec.seed, p, spec.stature_mean_m, spec.stature_half_range_m);
+    const Person person = draw_person(spec.seed, p, spec.stature.mean_m, spec.stature.half_range_m);
     for (const ActivitySpec& activity : spec.activities) {
       SimulatedTakePlan take;
       take.participant = fmt::format("p{:02}", p + 1);
-      take.activity = activity_names()[static_cast<std::size_t>(activity.activity)];
+      take.activity = word_of(activity.activity);
       take.id = take.participant + "-" + take.activity;
       for (const SimulatedTakePlan& other : takes)
         if (other.id == take.id) take.id += fmt::format("-{}", takes.size() + 1);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "datasets/mocap/mocap_take.h"
 #include "datasets/results/declared_parameters.h"
 #include "datasets/synthetic/simulated_sensor.h"

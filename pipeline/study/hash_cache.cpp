@@ -9,17 +9,24 @@
 #include <sys/stat.h>
 
 #include "datasets/base/content_hash.h"
+#include "datasets/base/document.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
-#include "datasets/results/results_file.h"
 
 namespace trilat {
 namespace {
 
 constexpr const char* kFile = "hashes.json";
-constexpr const char* kFormat = "trilat.hashes";
 constexpr std::int64_t kSettled_s = 2;
+
+struct HashesFile {
+  std::map<std::string, std::string> files;  // SHA-256 by identity
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.hashes");
+    f("files", self.files);
+  }
+};
 
 }  // namespace
 
@@ -27,11 +34,7 @@ void HashCache::load(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kFile;
   if (!std::filesystem::exists(path)) return;
   try {
-    const Json json = read_json(path);
-    JsonObject object(json, path.string(), "");
-    check_format(object, kFormat, 1);
-    JsonObject files = object.object("files");
-    for (const std::string& identity : files.keys()) sha256_[identity] = files.text(identity);
+    sha256_ = read_as<HashesFile>(read_json(path), path).files;
   } catch (const InputError&) {
     return;  // damaged: then files are hashed again
   }
@@ -61,9 +64,7 @@ HashedFile HashCache::hash(const std::filesystem::path& file, const std::functio
 
 void HashCache::save(const std::filesystem::path& folder) const {
   const std::lock_guard lock(mutex_);
-  Json files = Json::object();
-  for (const auto& [identity, sha256] : sha256_) files[identity] = sha256;
-  write_file(folder / kFile, json_text({{"format", kFormat}, {"version", 1}, {"files", files}}, 1) + "\n");
+  write_file(folder / kFile, json_text(json_of(HashesFile{sha256_}), 1) + "\n");
 }
 
 std::optional<FileIdentity> identity_of(const std::filesystem::path& file) {

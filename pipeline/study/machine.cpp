@@ -13,7 +13,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 
 namespace trilat {
 

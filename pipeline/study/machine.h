@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 
 namespace trilat {
 

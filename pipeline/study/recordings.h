@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/settings.h"
+#include "datasets/base/document.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/study/hash_cache.h"
 
@@ -19,16 +19,21 @@ struct RecordingsStudy {
   std::string name;
   PaperStudy paper = PaperStudy::none;
   std::filesystem::path campaign = {};  // relative to the study's file; may be given on the command line
-};
 
-// Reads the head of a document of that kind, and what `tell` says of its other settings. InputError at
-// `place`.
-RecordingsStudy parse_recordings_study(const Json& json, const std::string& place,
-                                       const std::filesystem::path& folder, const std::string& kind,
-                                       const std::function<void(Settings&)>& tell);
-// Every setting written out, defaults included; the campaign is not one.
-Json resolved_recordings_study(RecordingsStudy study, const std::string& kind,
-                               const std::function<void(Settings&)>& tell);
+  static void visit_head(auto& self, Fields& f, StudyKind of) {
+    std::size_t kind = 0;
+    f.format("trilat.study");
+    f.tag("kind", kind, {name_of(of)}, "");
+    f("name", self.name, need("of the study"));
+    if (f.writes_if(false))
+      f("campaign", self.campaign,
+        opt("folder of recordings, relative to this file; `--campaign` goes first"));
+    f("paper", self.paper, opt(kPaperStudyMeaning));
+  }
+  void check(const JsonPlace& place) const {
+    if (name.empty()) place.at("name").refuse("must not be empty");
+  }
+};
 
 // A file that a study reads, and what it is of which take or recording.
 struct RecordingFile {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {
@@ -43,7 +43,7 @@ struct Outcome {
   std::filesystem::path folder;  // no such folder when it failed
   Json json;
   bool failed = false;
-  std::string place() const { return (folder / "item.json").string() + " outcome"; }  // for errors
+  JsonPlace place() const { return JsonPlace(folder / "item.json").at("outcome"); }
 };
 using Outcomes = std::map<std::string, Outcome>;  // by the item's id
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,7 +12,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
-#include "datasets/base/settings.h"
 #include "datasets/base/units.h"
 
 namespace trilat {
@@ -32,33 +32,6 @@ std::array<double, 3> on_circle(std::size_t i, std::size_t count, double radius_
   return {radius_m * std::cos(angle), height_m, radius_m * std::sin(angle)};
 }
 
-std::vector<std::array<double, 3>> read_circle(JsonObject& object) {
-  const Json& value = object.value("heights_m");
-  if (!value.is_array()) object.refuse("heights_m", "must be an array of heights");
-  const std::vector<double> heights_m = object.numbers("heights_m", value.size());
-  const double radius_m = object.positive("radius_m", 2.0);
-  std::vector<std::array<double, 3>> sensors_m;
-  for (std::size_t i = 0; i < heights_m.size(); ++i)
-    sensors_m.push_back(on_circle(i, heights_m.size(), radius_m, heights_m[i]));
-  return sensors_m;
-}
-
-std::vector<std::array<double, 3>> read_positions(JsonObject& object) {
-  const Json& value = object.value("sensors_m");
-  object.shape("sensors_m", R"({"type": "array", "items": {"type": "array", "items": {"type": "number"},
-      "minItems": 3, "maxItems": 3}})");
-  if (!value.is_array()) object.refuse("sensors_m", "must be an array of positions [x, y, z]");
-  std::vector<std::array<double, 3>> sensors_m;
-  for (const Json& position : value) {
-    if (!position.is_array() || position.size() != 3 || !position[0].is_number() ||
-        !position[1].is_number() || !position[2].is_number())
-      throw InputError(fmt::format("{}/{}", object.place_of("sensors_m"), sensors_m.size()),
-                       "must be a position [x, y, z] in metres");
-    sensors_m.push_back({position[0].get<double>(), position[1].get<double>(), position[2].get<double>()});
-  }
-  return sensors_m;
-}
-
 RangeProblem problem_at(const std::vector<std::array<double, 3>>& sensors_m) {
   RangeProblem problem;
   problem.count = static_cast<int>(sensors_m.size());
@@ -67,63 +40,6 @@ RangeProblem problem_at(const std::vector<std::array<double, 3>>& sensors_m) {
   return problem;
 }
 
-void check_sensors(const JsonObject& object, const std::string& key,
-                   const std::vector<std::array<double, 3>>& sensors_m) {
-  if (sensors_m.size() < kMinSensors || sensors_m.size() > RangeTrialModel::kMaxSensors)
-    object.refuse(key, fmt::format("must place {} to {} sensors, places {}", kMinSensors,
-                                   RangeTrialModel::kMaxSensors, sensors_m.size()));
-  for (const auto& sensor_m : sensors_m)
-    for (const double coordinate_m : sensor_m)
-      if (!(std::abs(coordinate_m) <= kMaxDistance_m))
-        object.refuse(key, fmt::format("must stay within {} m of the origin", kMaxDistance_m));
-  const RangeProblem problem = problem_at(sensors_m);
-  for (int i = 0; i < problem.count; ++i)
-    for (int j = 0; j < i; ++j)
-      if ((problem.sensor_m[i] - problem.sensor_m[j]).norm() < kSamePlace_m)
-        object.refuse(key, fmt::format("has sensors {} and {} in one place", j, i));
-  if (plane_of(problem).collinear)
-    object.refuse(key, "has all sensors on one line, so a whole circle of positions has the same ranges");
-}
-
-SweepRig read_rig(JsonObject& object) {
-  SweepRig rig;
-  rig.name = object.text("name");
-  if (!is_plain_name(rig.name) || rig.name.find('/') != std::string::npos)
-    object.refuse("name", "must have 1 to 60 printable characters, none of them '/' or '|'");
-  const bool circle = object.has("heights_m");
-  if (circle == object.has("sensors_m"))
-    object.refuse(circle ? "sensors_m" : "heights_m",
-                  "a rig has either heights_m on a circle or sensors_m, and one of them");
-  rig.sensors_m = circle ? read_circle(object) : read_positions(object);
-  check_sensors(object, circle ? "heights_m" : "sensors_m", rig.sensors_m);
-  object.about({{"name", "of the rig"},
-                {"heights_m", "of sensors on a circle, spread evenly"},
-                {"radius_m", "of that circle"},
-                {"sensors_m", "positions, instead of heights"}});
-  object.finish();
-  return rig;
-}
-
-// The list of rigs under `key`: names differ, each rig has 3 to 8 sensors, no two in one place and not all on
-// one line. A rig is {"name", "heights_m": […], "radius_m"}, sensor i at angle 360 i / n degrees of a circle
-// around the origin (x = r cos, z = r sin), or {"name", "sensors_m": [[x, y, z], …]}.
-std::vector<SweepRig> read_rigs(JsonObject& object, const std::string& key) {
-  std::vector<SweepRig> rigs;
-  std::vector<JsonObject> entries = object.objects(key);
-  if (entries.empty()) object.refuse(key, "must hold at least one rig");
-  for (JsonObject& entry : entries) {
-    rigs.push_back(read_rig(entry));
-    for (std::size_t before = 0; before + 1 < rigs.size(); ++before) {
-      if (rigs[before].name == rigs.back().name)
-        entry.refuse("name", "is \"" + rigs.back().name + "\", which an earlier rig has");
-      if (rigs[before].sensors_m == rigs.back().sensors_m)
-        entry.refuse("name", "names the same sensors as \"" + rigs[before].name + '"');
-    }
-  }
-  return rigs;
-}
-
-constexpr const char* kFormat = "trilat.study";
 constexpr std::uint64_t kMaxTrials = 1'000'000'000'000;
 constexpr std::uint64_t kMaxTimed = 1'000'000;
 constexpr std::size_t kMaxCells = 50'000;
@@ -137,91 +53,52 @@ double as_written_m(double length_cm) {
   return centimetres(length_cm * kMetresPerCentimetre) * kMetresPerCentimetre;
 }
 
-std::array<double, 2> read_range(const std::string& place, const Json& value) {
-  const auto refuse = [&](const std::string& problem) { throw InputError(place, problem); };
-  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
-    refuse("must be an array of two numbers, as in [5, 15]");
-  const double low_cm = value[0].get<double>(), high_cm = value[1].get<double>();
-  if (low_cm < 0.0) refuse(fmt::format("must not be below 0, is {}", value.dump()));
-  if (low_cm > high_cm) refuse(fmt::format("must have the smaller error first, is {}", value.dump()));
-  if (high_cm > kMaxError_cm) refuse(fmt::format("must stay within {} cm", kMaxError_cm));
-  return {as_written_m(low_cm), as_written_m(high_cm)};
-}
+// "solver": the setting of every cell, of which the keys are kept that were given.
+struct SolverFields {
+  SweepSpec* spec;
+  std::set<std::string> given = {};
 
-double read_threshold(const std::string& place, const Json& value) {
-  if (!value.is_number() || !(value.get<double>() > 0.0))
-    throw InputError(place, fmt::format("must be a number greater than 0, is {}", value.dump()));
-  return value.get<double>();
-}
-
-// The values under a key of "vary", each read by `read`; no two alike.
-template <class Value>
-std::vector<Value> read_values(JsonObject& object, const char* key,
-                               Value (*read)(const std::string&, const Json&)) {
-  const Json& values = object.value(key);
-  if (!values.is_array() || values.empty()) object.refuse(key, "must be a list of at least one value");
-  std::vector<Value> all;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    all.push_back(read(fmt::format("{}/{}", object.place_of(key), i), values[i]));
-    if (std::ranges::count(all, all.back()) > 1) object.refuse(key, "has " + values[i].dump() + " twice");
+  static void fields(auto& self, Fields& f) {
+    SweepSetting& solver = self.spec->solver;
+    const auto is_varied = [&](const SweepChoice& choice) {
+      return std::ranges::any_of(self.spec->varied, [&](const auto& one) { return one.first == &choice; });
+    };
+    for (const SweepChoice& choice : sweep_choices())
+      if (f.writes_if(!is_varied(choice)))
+        f(choice.key, solver.*choice.word, opt(choice.meaning).one_of(choice.known));
+    if (f.writes()) return;  // these are lists of one value then
+    ErrorRange range{solver.error_low_m, solver.error_high_m};
+    f("threshold", solver.threshold, opt("C, in its unit", kPositive));
+    f("error_cm", range, opt("[low, high] of the measurement errors"));
+    if (!f.reads()) return;
+    solver.error_low_m = range.low_m;
+    solver.error_high_m = range.high_m;
+    self.given = f.keys();
   }
-  return all;
-}
+};
 
-constexpr const char* kRangeShape =
-    R"({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2})";
+// "vary": the keys of "solver" with a list of values each.
+struct VaryFields {
+  SweepSpec* spec;
+  std::set<std::string> constant = {};
 
-SweepSetting read_solver(JsonObject object) {
-  SweepSetting solver;
-  for (const SweepChoice& choice : sweep_choices()) {
-    std::string& word = solver.*choice.word;
-    const auto usual = std::ranges::find(choice.known, word) - choice.known.begin();
-    word = choice.known[object.choice(choice.key, choice.known, static_cast<std::size_t>(usual))];
-    object.about({{choice.key, choice.meaning}});
+  static void fields(auto& self, Fields& f) {
+    SweepSpec& s = *self.spec;
+    f("threshold", s.thresholds, opt("values of C", kPositive).items(1));
+    f("error_cm", s.ranges, opt("ranges of the measurement errors").items(1));
+    for (const SweepChoice& choice : sweep_choices()) {
+      std::vector<std::string> words;
+      for (const auto& [varied, names] : s.varied)
+        if (varied == &choice) words = names;
+      if (!f.has(choice.key, !words.empty())) continue;
+      f(choice.key, words, opt(choice.meaning).one_of(choice.known).items(1));
+      if (f.reads()) s.varied.emplace_back(&choice, words);
+    }
+    for (const std::string& key : self.constant)
+      if (f.has(key.c_str(), false))
+        f.refuse(key.c_str(), "is also in \"solver\"; a value is constant or varies");
   }
-  if (object.has("threshold"))
-    solver.threshold = read_threshold(object.place_of("threshold"), object.value("threshold"));
-  if (object.has("error_cm")) {
-    const auto range_m = read_range(object.place_of("error_cm"), object.value("error_cm"));
-    solver.error_low_m = range_m[0];
-    solver.error_high_m = range_m[1];
-  }
-  object.shape("threshold", R"({"type": "number", "exclusiveMinimum": 0})");
-  object.shape("error_cm", kRangeShape);
-  object.about({{"threshold", "C, in its unit"}, {"error_cm", "[low, high] of the measurement errors"}});
-  object.finish();
-  return solver;
-}
-
-std::vector<std::string> read_words(JsonObject& object, const SweepChoice& choice) {
-  const std::vector<std::string> words = object.texts(choice.key);
-  if (words.empty())
-    object.refuse(choice.key, fmt::format("must name at least one of: {}", fmt::join(choice.known, ", ")));
-  if (const std::string twice = first_repeated(words); !twice.empty())
-    object.refuse(choice.key, "has \"" + twice + "\" twice");
-  object.words(choice.key, choice.known);
-  for (const std::string& word : words)
-    if (std::ranges::find(choice.known, word) == choice.known.end())
-      object.refuse(choice.key, fmt::format("has \"{}\"; {}", word, known_names(word, choice.known)));
-  return words;
-}
-
-// `solver`: the object of that key, whose keys must be others.
-void read_vary(JsonObject object, const Json& solver, SweepSpec& spec) {
-  for (const std::string& key : object.keys())
-    if (solver.contains(key)) object.refuse(key, "is also in \"solver\"; a value is constant or varies");
-  for (const SweepChoice& choice : sweep_choices()) {
-    if (object.has(choice.key)) spec.varied.emplace_back(&choice, read_words(object, choice));
-    object.about({{choice.key, choice.meaning}});
-  }
-  if (object.has("threshold")) spec.thresholds = read_values<double>(object, "threshold", read_threshold);
-  if (object.has("error_cm"))
-    spec.ranges_m = read_values<std::array<double, 2>>(object, "error_cm", read_range);
-  object.shape("threshold", R"({"type": "array", "items": {"type": "number", "exclusiveMinimum": 0}})");
-  object.shape("error_cm", fmt::format(R"({{"type": "array", "items": {}}})", kRangeShape).c_str());
-  object.about({{"threshold", "values of C"}, {"error_cm", "ranges of the measurement errors"}});
-  object.finish();
-}
+};
 
 RangeProblem unit_problem(const SweepRig& rig) {
   RangeProblem problem = problem_at(rig.sensors_m);
@@ -257,7 +134,7 @@ void make_cells(SweepSpec& spec) {
         continue;
       }
       for (const double threshold : spec.thresholds)
-        for (const auto& [low_m, high_m] : spec.ranges_m) {
+        for (const auto& [low_m, high_m] : spec.ranges) {
           setting.threshold = threshold;
           setting.error_low_m = low_m;
           setting.error_high_m = high_m;
@@ -283,16 +160,6 @@ void check_size(const SweepSpec& spec, const std::string& place) {
     throw InputError(place + " /trials",
                      fmt::format("is {}, which with {} cells is more than 2^53 trials in all", spec.trials,
                                  spec.cells.size()));
-}
-
-void tell_counts(Settings& s, SweepSpec& spec) {
-  s.choice("paper", spec.paper, kPaperStudies, kPaperStudyMeaning);
-  s("trials", spec.trials, {1, kMaxTrials}, "of each cell");
-  s("seed", spec.seed, "of every random number");
-  s("max_iterations", spec.max_iterations, {1, kMaxSweepIterations}, "of a descent");
-  s("time_problems", spec.time_problems, {0, kMaxTimed},
-    "problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
-    "counts; 0: the run's own times are shown");
 }
 
 // Root mean square of the range errors of a cell's trials.
@@ -337,58 +204,113 @@ const std::vector<SweepChoice>& sweep_choices() {
   return choices;
 }
 
-SweepSpec parse_sweep(const Json& json, const std::string& place) {
-  JsonObject object(json, place, "");
-  SweepSpec spec;
-  object.format(kFormat);
-  object.choice("kind", {"threshold_sweep"});
-  spec.name = object.text("name");
-  if (!is_plain_name(spec.name)) object.refuse("name", "must have 1 to 60 printable characters without '|'");
-  object.removed("digits_trials", "tests hold the solvers against Ceres");
-  object.removed("time_repeats", "of three rounds the fastest counts");
-  object.removed("search", "scripts/fit_paper ranks interpretations of Table I");
+void ErrorRange::read(const Json& json, const JsonPlace& place, const About&) {
+  std::array<double, 2> cm{};
+  json_value::read_value(json, place, need("cm", {0.0, kMaxError_cm}), cm);
+  if (cm[0] > cm[1]) place.refuse(fmt::format("must have the smaller error first, is {}", json.dump()));
+  low_m = as_written_m(cm[0]);
+  high_m = as_written_m(cm[1]);
+}
+
+Json ErrorRange::json() const { return {centimetres(low_m), centimetres(high_m)}; }
+
+Json ErrorRange::schema(const About&) {
+  return json_value::schema(std::array<double, 2>{}, need("cm", {0.0, kMaxError_cm}));
+}
+
+void SweepRig::fields(SweepRig& self, Fields& f) {
+  f("name", self.name, need("of the rig"));
+  if (f.writes()) return f("sensors_m", self.sensors_m, opt("positions"));
+  const bool is_circle = f.has("heights_m", false);
+  if (f.reads() && is_circle == f.has("sensors_m", false))
+    f.refuse(is_circle ? "sensors_m" : "heights_m",
+             "a rig has either heights_m on a circle or sensors_m, and one of them");
+  std::vector<double> heights_m;
+  double radius_m = 2.0;
+  if (is_circle) {
+    f("heights_m", heights_m, opt("of sensors on a circle, spread evenly"));
+    f("radius_m", radius_m, opt("of that circle", kPositive));
+  }
+  if (f.has("sensors_m", false)) f("sensors_m", self.sensors_m, opt("positions, instead of heights"));
+  if (f.reads())
+    for (std::size_t i = 0; i < heights_m.size(); ++i)
+      self.sensors_m.push_back(on_circle(i, heights_m.size(), radius_m, heights_m[i]));
+}
+
+void SweepRig::check(const JsonPlace& place) const {
+  if (!is_plain_name(name) || name.find('/') != std::string::npos)
+    place.at("name").refuse("must have 1 to 60 printable characters, none of them '/' or '|'");
+  if (sensors_m.size() < kMinSensors || sensors_m.size() > RangeTrialModel::kMaxSensors)
+    place.refuse(fmt::format("must place {} to {} sensors, places {}", kMinSensors,
+                             RangeTrialModel::kMaxSensors, sensors_m.size()));
+  for (const auto& sensor_m : sensors_m)
+    for (const double coordinate_m : sensor_m)
+      if (!(std::abs(coordinate_m) <= kMaxDistance_m))
+        place.refuse(fmt::format("must stay within {} m of the origin", kMaxDistance_m));
+  const RangeProblem problem = problem_at(sensors_m);
+  for (int i = 0; i < problem.count; ++i)
+    for (int j = 0; j < i; ++j)
+      if ((problem.sensor_m[i] - problem.sensor_m[j]).norm() < kSamePlace_m)
+        place.refuse(fmt::format("has sensors {} and {} in one place", j, i));
+  if (plane_of(problem).collinear)
+    place.refuse("has all sensors on one line, so a whole circle of positions has the same ranges");
+}
+
+void SweepSpec::fields(SweepSpec& spec, Fields& f) {
+  std::size_t kind = 0;
+  f.format("trilat.study");
+  f.tag("kind", kind, {name_of(StudyKind::threshold_sweep)}, "");
+  f("name", spec.name, need("of the study"));
+  f.removed("digits_trials", "tests hold the solvers against Ceres");
+  f.removed("time_repeats", "of three rounds the fastest counts");
+  f.removed("search", "scripts/fit_paper ranks interpretations of Table I");
   for (const char* key : {"joints", "error_models", "threshold_units", "gradients", "curvatures", "stops",
                           "dampings", "starts", "thresholds", "error_ranges_cm"})
-    object.removed(key,
-                   "what is constant stands in \"solver\", as {\"stop\": \"objective\"}, and what varies in "
-                   "\"vary\", as {\"gradient\": [\"printed\", \"corrected\"], \"threshold\": [1, 1e-4]}");
-  spec.rigs = read_rigs(object, "rigs");
-  const Json nothing = Json::object();
-  const bool has_solver = object.has("solver");
-  if (has_solver) spec.solver = read_solver(object.object("solver"));
-  if (object.has("vary"))
-    read_vary(object.object("vary"), has_solver ? object.value("solver") : nothing, spec);
+    f.removed(key,
+              "what is constant stands in \"solver\", as {\"stop\": \"objective\"}, and what varies in "
+              "\"vary\", as {\"gradient\": [\"printed\", \"corrected\"], \"threshold\": [1, 1e-4]}");
+  f("rigs", spec.rigs, need("each with its sensors").items(1));
+  SolverFields solver{&spec};
+  f("solver", solver, opt("the setting of every cell, but for what varies"));
+  VaryFields vary{&spec, solver.given};
+  f("vary", vary, opt("keys of it with a list of values: every combination is a cell"));
+  f("paper", spec.paper, opt(kPaperStudyMeaning));
+  f("trials", spec.trials, opt("of each cell", {1.0, kMaxTrials}));
+  f("seed", spec.seed, opt("of every random number"));
+  f("max_iterations", spec.max_iterations, opt("of a descent", {1.0, kMaxSweepIterations}));
+  f("time_problems", spec.time_problems,
+    opt("problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
+        "counts; 0: the run's own times are shown",
+        {0.0, kMaxTimed}));
+}
+
+void SweepSpec::check(const JsonPlace& place) const {
+  if (!is_plain_name(name)) place.at("name").refuse("must have 1 to 60 printable characters without '|'");
+  for (std::size_t r = 0; r < rigs.size(); ++r)
+    for (std::size_t before = 0; before < r; ++before) {
+      const JsonPlace name_place = place.at("rigs").at(r).at("name");
+      if (rigs[before].name == rigs[r].name)
+        name_place.refuse("is \"" + rigs[r].name + "\", which an earlier rig has");
+      if (rigs[before].sensors_m == rigs[r].sensors_m)
+        name_place.refuse("names the same sensors as \"" + rigs[before].name + '"');
+    }
+  const auto check_differ = [&](const char* key, const auto& values) {
+    for (auto value = values.begin(); value != values.end(); ++value)
+      if (std::find(values.begin(), value, *value) != value)
+        place.at("vary").at(key).refuse(
+            fmt::format("has {} twice", json_text(json_value::written(*value, {}), -1)));
+  };
+  check_differ("threshold", thresholds);
+  check_differ("error_cm", ranges);
+}
+
+SweepSpec parse_sweep(const Json& json, const std::string& place) {
+  auto spec = read_as<SweepSpec>(json, {place});
   if (spec.thresholds.empty()) spec.thresholds = {spec.solver.threshold};
-  if (spec.ranges_m.empty()) spec.ranges_m = {{spec.solver.error_low_m, spec.solver.error_high_m}};
-  object.about({{"name", "of the study"},
-                {"rigs", "each with its sensors"},
-                {"solver", "the setting of every cell, but for what varies"},
-                {"vary", "keys of it with a list of values: every combination is a cell"}});
-  Settings settings(object);
-  tell_counts(settings, spec);
-  object.finish();
+  if (spec.ranges.empty()) spec.ranges = {{spec.solver.error_low_m, spec.solver.error_high_m}};
   make_cells(spec);
   check_size(spec, place);
   return spec;
-}
-
-Json resolved_json(const SweepSpec& given) {
-  SweepSpec spec = given;
-  Json json{{"format", kFormat}, {"version", 1}, {"kind", "threshold_sweep"}, {"name", spec.name}};
-  for (const SweepRig& rig : spec.rigs)
-    json["rigs"].push_back({{"name", rig.name}, {"sensors_m", rig.sensors_m}});
-  json["solver"] = Json::object();
-  json["vary"] = {{"threshold", spec.thresholds}, {"error_cm", Json::array()}};
-  for (const auto& [low_m, high_m] : spec.ranges_m)
-    json["vary"]["error_cm"].push_back({centimetres(low_m), centimetres(high_m)});
-  for (const SweepChoice& choice : sweep_choices()) json["solver"][choice.key] = spec.solver.*choice.word;
-  for (const auto& [choice, words] : spec.varied) {
-    json["solver"].erase(choice->key);
-    json["vary"][choice->key] = words;
-  }
-  Settings settings(json);
-  tell_counts(settings, spec);
-  return json;
 }
 
 NumberKey SweepSetting::key() const {

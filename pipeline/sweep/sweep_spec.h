@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/document.h"
 #include "datasets/synthetic/range_trials.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/sensor_plane.h"
@@ -15,9 +15,14 @@
 
 namespace trilat {
 
+// In a document {"name", "heights_m": […], "radius_m"}, sensor i at angle 360 i / n degrees of a circle
+// around the origin (x = r cos, z = r sin), or {"name", "sensors_m": [[x, y, z], …]}.
 struct SweepRig {
   std::string name;
   std::vector<std::array<double, 3>> sensors_m;  // world
+
+  static void fields(SweepRig& self, Fields& f);
+  void check(const JsonPlace& place) const;  // 3 to 8 sensors, no two in one place and not all on one line
 };
 
 // A key of a setting whose value is one of some words.
@@ -31,6 +36,15 @@ const std::vector<SweepChoice>& sweep_choices();
 
 inline constexpr std::uint64_t kMaxSweepIterations = 20'000;
 
+// Range of measurement errors; in a document [low, high] in centimetres.
+struct ErrorRange {
+  double low_m = 0.0, high_m = 0.0;
+  bool operator==(const ErrorRange&) const = default;
+  void read(const Json& json, const JsonPlace& place, const About& about);
+  Json json() const;
+  static Json schema(const About& about);
+};
+
 // study.json, format 1, kind "threshold_sweep": trials for every combination of the values that vary.
 struct SweepSpec {
   std::string name;
@@ -38,23 +52,23 @@ struct SweepSpec {
   std::vector<SweepRig> rigs;
   SweepSetting solver;  // of every cell, but for what varies
   std::vector<std::pair<const SweepChoice*, std::vector<std::string>>> varied;
-  std::vector<double> thresholds;               // C
-  std::vector<std::array<double, 2>> ranges_m;  // from, to
-  std::uint64_t trials = 5000;                  // of each cell
+  std::vector<double> thresholds;  // C
+  std::vector<ErrorRange> ranges;
+  std::uint64_t trials = 5000;  // of each cell
   std::uint64_t seed = 1;
   std::uint64_t max_iterations = 10000;
   std::uint64_t time_problems = 0;  // solved by the scalar solver on one thread; 0: times as the run took
   std::vector<SweepSetting> cells;  // every combination that makes sense, in the order of the results
   std::uint64_t skipped = 0;        // combinations that contradict themselves or repeat another
+
+  static void fields(SweepSpec& spec, Fields& f);
+  void check(const JsonPlace& place) const;
 };
 
 // Skipped are combinations that contradiction_in() names, a linear start for a rig that linear trilateration
 // has no answer for, and the stop rule step in a second unit, as it uses no C. InputError at `place` when
 // nothing is left, or it is more than can be counted or kept.
 SweepSpec parse_sweep(const Json& json, const std::string& place);
-
-// Every setting written out, defaults included: what goes into the manifest and its hash.
-Json resolved_json(const SweepSpec& spec);
 
 enum class SweepStart : std::uint8_t {
   linear,          // linear trilateration, as the paper

@@ -71,7 +71,7 @@ struct Cells {
 };
 
 std::vector<Cells> items_of(const SweepSpec& spec) {
-  const std::size_t interpretation = spec.thresholds.size() * spec.ranges_m.size();
+  const std::size_t interpretation = spec.thresholds.size() * spec.ranges.size();
   const auto most = static_cast<std::size_t>(std::max<std::uint64_t>(1, kItemTrials / spec.trials));
   std::vector<Cells> items;
   for (std::size_t begin = 0; begin < spec.cells.size(); begin += interpretation)
@@ -155,11 +155,11 @@ SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, 
   s.max_iterations = spec.max_iterations;
   s.skipped = spec.skipped;
   s.thresholds = spec.thresholds.size();
-  s.ranges = spec.ranges_m.size();
+  s.ranges = spec.ranges.size();
   for (const SweepSetting& setting : spec.cells) s.cells.push_back({setting});
   for (std::size_t i = 0; i < items.size(); ++i) {
     const Outcome& outcome = run.outcome(i);
-    s.numbers.add(read_numbers(outcome.folder, JsonObject(outcome.json, outcome.place(), "").count("rows")));
+    s.numbers.add(read_numbers(outcome.folder, outcome.json.at("rows").get<std::uint64_t>()));
   }
   add_interpretations(s);
   return s;
@@ -189,11 +189,11 @@ ItemTally run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, 
     named.push_back({id_of(item), static_cast<double>(item.count * spec.trials)});
   ResultsRun run(folder, named, options);
   run.find_keys([&](std::size_t i, const Watch&) { return key_of_item(spec, items[i]); });
-  const Json manifest = manifest_of(resolved_json(spec), {{"simulated", true},
-                                                          {"skipped", spec.skipped},
-                                                          {"cells", spec.cells.size()},
-                                                          {"trials", spec.cells.size() * spec.trials},
-                                                          {"inputs", Json::array()}});
+  const Json manifest = manifest_of(json_of(spec), {{"simulated", true},
+                                                    {"skipped", spec.skipped},
+                                                    {"cells", spec.cells.size()},
+                                                    {"trials", spec.cells.size() * spec.trials},
+                                                    {"inputs", Json::array()}});
   if (run.is_finished(manifest)) return run.tally();
   run.begin(manifest);
   run.compute([&](std::size_t i, const std::filesystem::path& into, const Watch& watch) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -26,18 +26,22 @@ struct SweepSetting {
   // cm2", method "corrected gradient, gauss_newton, stop objective, damping none, start linear".
   NumberKey key() const;
 
-  TRILAT_FIELDS(rig, joint, error_model, threshold_unit, gradient, curvature, stop, damping, start, threshold,
-                error_low_m, error_high_m)
+  static void fields(auto& self, auto&& f) {
+    f("rig", self.rig, "joint", self.joint, "error_model", self.error_model, "threshold_unit",
+      self.threshold_unit, "gradient", self.gradient, "curvature", self.curvature, "stop", self.stop,
+      "damping", self.damping, "start", self.start, "threshold", self.threshold, "error_low_m",
+      self.error_low_m, "error_high_m", self.error_high_m);
+  }
 };
 
 // A cell of the sweep as summary.json lists it: its setting and the key of its numbers.
 struct SweepCell : SweepSetting {
-  static void fields(auto& self, auto&& field) {
-    SweepSetting::fields(self, field);
+  static void fields(auto& self, auto&& f) {
+    SweepSetting::fields(self, f);
     const NumberKey key = self.key();
-    field("condition", key.condition);
-    field("group", key.group);
-    field("method", key.method);
+    f.written("condition", key.condition);
+    f.written("group", key.group);
+    f.written("method", key.method);
   }
 };
 
@@ -72,11 +76,14 @@ struct SweepSummary {
     return numbers.value(cell.key().with(what));
   }
 
-  TRILAT_FIELDS(study, paper, simulated, seed, trials, max_iterations, skipped, thresholds, ranges, cells,
-                rows)
-  void check(const JsonObject& object) const {
+  static void fields(auto& self, auto&& f) {
+    f("study", self.study, "paper", self.paper, "simulated", self.simulated, "seed", self.seed, "trials",
+      self.trials, "max_iterations", self.max_iterations, "skipped", self.skipped, "thresholds",
+      self.thresholds, "ranges", self.ranges, "cells", self.cells, "rows", self.rows);
+  }
+  void check(const JsonPlace& place) const {
     if (thresholds == 0 || ranges == 0 || cells.size() % (thresholds * ranges) != 0)
-      object.refuse("cells", "must hold one cell for every interpretation, threshold and range");
+      place.at("cells").refuse("must hold one cell for every interpretation, threshold and range");
   }
 };
 

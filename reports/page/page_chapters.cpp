@@ -118,10 +118,10 @@ std::string joined(const std::vector<std::string>& words) {
 std::string inputs_html(const Provenance& p) {
   if (p.inputs.empty()) return {};
   std::string rows;
-  for (const InputFile& file : p.inputs)
+  for (const Manifest::Input& file : p.inputs)
     rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td><code>{}</code></td></tr>\n",
                         html_text(file.take), html_text(file.role), html_text(file.file),
-                        file.sha256.empty() ? "could not be read" : html_text(file.sha256));
+                        file.sha256 ? html_text(*file.sha256) : "could not be read");
   return fmt::format(
       "<details class=\"plain\"><summary>SHA-256 of the {} input files</summary>\n<div class=\"scroll\" "
       "tabindex=\"0\" role=\"region\" aria-label=\"Input files\"><table><caption>Input files of "

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "datasets/results/item_store.h"
 #include "datasets/skeleton/skeleton.h"
 #include "reports/figures/figure_look.h"

@@ -10,7 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/simulate/campaign_study.h"
 #include "pipeline/study/machine.h"

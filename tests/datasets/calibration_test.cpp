@@ -94,7 +94,7 @@ TEST(Calibration, WhatIsUnknownStaysUnknownAndOffsetsAreKeptWithoutCounts) {
 class SpoiltCalibration : public testing::Test {
  protected:
   std::string refusal(const std::function<void(Json&)>& spoil) {
-    Json json = calibration_json(full_calibration());
+    Json json = json_of(full_calibration());
     spoil(json);
     write_file(folder_ / "cal.json", json_text(json, 2));
     return message_of([&] { read_calibration(folder_ / "cal.json"); });
@@ -124,14 +124,15 @@ TEST_F(SpoiltCalibration, ACovarianceMustBeOne) {
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][1] = 1.0; }),
               HasSubstr("/sensors/0/covariance: is not a covariance"));
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"].erase(20); }),
-              HasSubstr("/sensors/0/covariance: must be an array of 21 numbers"));
+              HasSubstr("/sensors/0/covariance: must be a list of 21"));
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][0]["covariance"][3] = nullptr; }),
               HasSubstr("/sensors/0/covariance"));
 }
 
 TEST_F(SpoiltCalibration, ADepthOffsetOfMetresIsMillimetresTakenForMetres) {
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][1]["depth_offset_m"] = 10.0; }),
-              HasSubstr("/sensors/1/depth_offset_m: is beyond half a metre; is the unit metres?"));
+              HasSubstr("/sensors/1/depth_offset_m: must lie between -0.5 and 0.5, is 10.0; as centimetres "
+                        "it would be 0.1"));
   EXPECT_THAT(refusal([](Json& json) { json["sensors"][1]["depth_offset_m"] = -10.0; }),
               HasSubstr("/sensors/1/depth_offset_m"));
 }

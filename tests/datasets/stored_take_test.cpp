@@ -60,12 +60,12 @@ Row filled_row() {
     else
       number = ++count;
   };
-  Row::fields(row, [&](const char*, auto& member) {
-    if constexpr (requires { member.size(); })
-      for (auto& number : member) fill(number);
-    else
-      fill(member);
-  });
+  Row::fields(row, EachField{[&](const char*, auto& member) {
+                if constexpr (requires { member.size(); })
+                  for (auto& number : member) fill(number);
+                else
+                  fill(member);
+              }});
   return row;
 }
 

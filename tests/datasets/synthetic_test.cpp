@@ -56,7 +56,7 @@ TEST(GeneratedPerson, EveryJointMovesSmoothly) {
         ASSERT_LT(
             (after.joint_in_world_m[j] - 2.0 * p + before.joint_in_world_m[j]).norm() / (kStep_s * kStep_s),
             kMaxAcceleration_m_s2)
-            << activity_names()[static_cast<std::size_t>(activity)] << " joint " << j << " at " << t << " s";
+            << word_of(activity) << " joint " << j << " at " << t << " s";
       }
     }
   }
@@ -97,8 +97,7 @@ TEST(GeneratedPerson, WhoWalksStandsOnAFootThatDoesNotMove) {
                       (after.at(ankle) - at.at(ankle)).norm() < 1e-9;
           ASSERT_GT(at.at(ankle).y(), 0.038 * stature_m);
         }
-        ASSERT_GE(standing, 1u) << activity_names()[static_cast<std::size_t>(activity)] << " at " << t
-                                << " s";
+        ASSERT_GE(standing, 1u) << word_of(activity) << " at " << t << " s";
         for (const Joint knee : {Joint::knee_left, Joint::knee_right})
           ASSERT_NEAR((at.at(knee) - at.at(parent_of(knee).value())).norm(), 0.245 * stature_m, 1e-9);
         for (const Joint ankle : {Joint::ankle_left, Joint::ankle_right})

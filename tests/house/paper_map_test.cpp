@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "tests/support/paths.h"
 
 namespace trilat {

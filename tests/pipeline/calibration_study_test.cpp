@@ -48,16 +48,16 @@ SimulationSpec exact_bench(std::uint64_t places) {
 
 void run_study(const std::filesystem::path& folder, const Campaign& campaign) {
   const char* const study = R"({"format": "trilat.study", "version": 1, "kind": "calibration", "name": "c"})";
-  const CalibrationSpec spec = parse_calibration_spec(parse_json(study, "study.json"), "study.json", {});
+  const CalibrationSpec spec = read_as<CalibrationSpec>(parse_json(study, "study.json"), {"study.json", {}});
   run_calibration(spec, campaign, folder, {});
 }
 
 // The recordings of a ball that a study evaluated, as its items keep them.
 std::vector<WandRecording> wands_in(const std::filesystem::path& folder) {
   std::vector<WandRecording> wands;
-  for (const auto& [id, key] : read_item_keys(folder))
+  for (const auto& [id, key] : read_manifest(folder).items)
     if (!id.starts_with("walls/"))
-      wands.push_back(read_as<WandRecording>(JsonObject(ItemStore(folder).find(key)->outcome, id, "")));
+      wands.push_back(read_as<WandRecording>(ItemStore(folder).find(*key)->outcome, {id, {}}));
   return wands;
 }
 

@@ -22,7 +22,7 @@ const char* const kStudy = R"({"format": "trilat.study", "version": 1, "kind": "
 
 ClocksSummary summary_of(const std::filesystem::path& folder, const Campaign& campaign,
                          double late_s = 1.0 / 30.0) {
-  ClocksSpec spec = parse_clocks_spec(parse_json(kStudy, "study.json"), "study.json", {});
+  ClocksSpec spec = read_as<ClocksSpec>(parse_json(kStudy, "study.json"), {"study.json", {}});
   spec.late_s = late_s;
   run_clocks(spec, campaign, folder, {});
   return read_results<ClocksSummary>(folder);

@@ -20,9 +20,7 @@ namespace {
 using testing::HasSubstr;
 
 MethodSpec method_named(const std::string& name) {
-  const Json json{{"method", name}};
-  JsonObject object(json, "method", "");
-  return read_method(object);
+  return read_as<MethodSpec>(Json{{"method", name}}, {"method", {}});
 }
 
 std::size_t index_of(const FusedSession& path, Joint joint) {

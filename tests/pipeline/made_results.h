@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
+#include "datasets/base/json.h"
 #include "datasets/base/philox.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/results/summary.h"
 #include "tests/pipeline/program.h"
 

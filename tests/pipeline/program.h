@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "datasets/base/files.h"
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "tests/support/paths.h"
 #include "tests/support/scratch.h"
 

@@ -25,11 +25,18 @@ namespace {
 struct Filler {
   int n = 0;
 
-  bool has(const char*, bool& there) { return there = true; }
+  bool has(const char*, bool) const { return true; }
+  void format(const char*, int = 1) const {}
   template <class T>
-  void operator()(const char*, T&& member) {
-    if constexpr (std::is_lvalue_reference_v<T&&> && !std::is_const_v<std::remove_reference_t<T>>)
-      fill(member);
+  void written(const char*, const T&) const {}
+  template <class T>
+  void operator()(const char*, T& member, const About&) {
+    fill(member);
+  }
+  template <class T, class... More>
+  requires(sizeof...(More) % 2 == 0) void operator()(const char*, T& member, More&&... more) {
+    fill(member);
+    if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
   template <class T>
   void fill(T& value) {
@@ -75,7 +82,7 @@ void expect_read_back(const T& value) {
   const std::string text = json_text(json, 1);
   EXPECT_EQ(text.find("null"), std::string::npos) << "a field was not filled";
   const Json parsed = parse_json(text, "filled.json");
-  EXPECT_EQ(json_text(json_of(read_as<T>(JsonObject(parsed, "filled.json", ""))), 1), text);
+  EXPECT_EQ(json_text(json_of(read_as<T>(parsed, {"filled.json"})), 1), text);
 }
 
 template <class T>
@@ -92,7 +99,7 @@ TEST(FilledStudy, OfAWallMayLackNumbers) {
   const std::string text = json_text(json_of(wall), 1);
   EXPECT_THAT(text, testing::HasSubstr("null"));
   const Json parsed = parse_json(text, "wall.json");
-  EXPECT_EQ(json_text(json_of(read_as<WallRow>(JsonObject(parsed, "wall.json", ""))), 1), text);
+  EXPECT_EQ(json_text(json_of(read_as<WallRow>(parsed, {"wall.json"})), 1), text);
 }
 
 TEST(FilledStudy, OfCalibrationIsReadBackToTheLastBit) {

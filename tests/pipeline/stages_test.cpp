@@ -40,12 +40,12 @@ TEST(Stages, EachKeepsWhatTheOneBeforeChanged) {
   EXPECT_EQ(study.stages[2].frames, FrameChoice::newest);
   EXPECT_FALSE(study.stages[2].repair_exchanges);
   for (const Stage& stage : study.stages) EXPECT_EQ(stage.sensor_clocks, SensorClocks::causal);
-  const Json once = resolved_json(study);
-  EXPECT_EQ(once, resolved_json(parse_study(once, "study.json", {})));
+  const Json once = json_of(study);
+  EXPECT_EQ(once, json_of(parse_study(once, "study.json", {})));
 }
 
 TEST(Stages, WhatTheyCannotHaveIsRefused) {
-  EXPECT_THAT(refusal(""), HasSubstr("/stages: must hold at least one stage"));
+  EXPECT_THAT(refusal(""), HasSubstr("/stages: must hold at least one entry"));
   EXPECT_THAT(refusal(R"({"name": "a"}, {"name": "a"})"), HasSubstr("which an earlier stage has"));
   EXPECT_THAT(refusal(R"({"poses": "wand"})"), HasSubstr("/stages/0/name: is missing"));
   EXPECT_THAT(refusal(R"({"name": "a", "pose": "wand"})"), HasSubstr("poses"));

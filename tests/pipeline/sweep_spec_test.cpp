@@ -89,8 +89,8 @@ TEST(SweepSpec, TheResolvedSettingsReadBackAsTheSameSweep) {
   const SweepSpec spec =
       sweep_of(kOneRig + R"(, "solver": {"damping": "lm", "curvature": "newton", "stop": "step"},
       "vary": {"start": ["squared_ranges", "linear"], "error_cm": [[0, 7]]}, "trials": 7, "seed": 9)");
-  const Json resolved = parse_json(resolved_json(spec).dump(), "resolved.json");
-  EXPECT_EQ(resolved_json(parse_sweep(resolved, "resolved.json")).dump(), resolved.dump());
+  const Json resolved = parse_json(json_of(spec).dump(), "resolved.json");
+  EXPECT_EQ(json_of(parse_sweep(resolved, "resolved.json")).dump(), resolved.dump());
 }
 
 TEST(SweepSpec, SensorsOfACircleStandInEqualSteps) {

@@ -127,7 +127,7 @@ TEST(Reuse, EverySettingThatDecidesSamplesIsInTheKeyAndNoOther) {
   for (const auto& [key, value] : deciding) EXPECT_NE(keys_of(key, value), plain) << key;
   for (const auto& [key, value] : others) EXPECT_EQ(keys_of(key, value), plain) << key;
   const std::set<std::string> heads{"format", "version", "kind", "campaign"};
-  const Json resolved = resolved_json(work.study);
+  const Json resolved = json_of(work.study);
   for (const auto& [key, value] : resolved.items())
     EXPECT_TRUE(deciding.contains(key) || others.contains(key) || heads.contains(key)) << key;
 }

@@ -207,9 +207,9 @@ sys.exit(code)
         shutil.copytree(made() / "results", self.folder / "results")
         figures = self.folder / "results/figures.json"
         text = figures.read_text()
-        self.assertIn('"style": 0', text)
-        figures.write_text(text.replace('"style": 0', '"style": 99', 1))
-        self.assertRegex(trilat("report", self.folder / "results", "-o", self.folder / "report", code=2), r"figures.json /figures/\d+/series/\d+/style: must lie between 0 and 3")
+        self.assertIn('"style": "dots"', text)
+        figures.write_text(text.replace('"style": "dots"', '"style": "dotted"', 1))
+        self.assertRegex(trilat("report", self.folder / "results", "-o", self.folder / "report", code=2), r"figures.json /figures/\d+/series/\d+/style: is \"dotted\", which is unknown; known are: dots, line")
 
     def test_names_that_differ_in_case_alone_are_noted(self):
         campaign = self.campaign()

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/document.h"
 #include "datasets/synthetic/motion.h"
 
 namespace trilat {
@@ -35,6 +36,12 @@ struct RoomSpec {
   double half_width_m = 3.0;  // along x
   double half_depth_m = 3.0;  // along z
   int walls = 3;
+
+  static void fields(auto& self, auto&& f) {
+    f("half_width_m", self.half_width_m, opt("from the centre to the side walls", {0.5, 100.0}));
+    f("half_depth_m", self.half_depth_m, opt("from the centre to the other walls", {0.5, 100.0}));
+    f("walls", self.walls, opt("that the room has", {0.0, 4.0}));
+  }
 };
 void append_room(DepthScene& scene, const RoomSpec& room, const Eigen::Vector3d& centre_in_world_m);
 

@@ -1,118 +1,196 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 
-#include <numbers>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/synthetic/embedded_tracker.h"
 
 namespace trilat {
 namespace {
 
-constexpr std::array<std::string_view, kTrackerGroups> kGroupNames{
+constexpr std::array<const char*, kTrackerGroups> kGroupNames{
     "trunk", "head", "shoulder", "elbow", "wrist", "hand", "hand_tip", "hip", "knee", "ankle", "foot"};
 
-struct GroupsField {
-  const char* key;
-  BodyTrackerSpec::Groups BodyTrackerSpec::*member;
-  double most;
+std::string value_text(double value) { return fmt::format("{}", value); }
+std::string value_text(const BodyTrackerSpec::Groups& groups) {
+  std::string text;
+  for (std::size_t g = 0; g < kTrackerGroups; ++g)
+    text += fmt::format("{}{} {}", g > 0 ? ", " : "", kGroupNames[g], groups[g]);
+  return text;
+}
+
+std::vector<std::string> keys_of(const auto& map) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : map) keys.push_back(key);
+  return keys;
+}
+
+using Interval = std::optional<std::array<double, 2>>;
+
+// A parameter of a document that declares them all.
+struct DeclaredValue {
+  double value = 0.0;
+  std::string unit, source;
+  Interval interval;
+
+  static void fields(auto& self, auto&& f) {
+    f("unit", self.unit, "value", self.value, "interval", self.interval, "source", self.source);
+  }
 };
-constexpr GroupsField kGroupsFields[] = {
-    {"bias_sigma_m", &BodyTrackerSpec::bias_sigma_m, 1.0},
-    {"view_bias_sigma_m", &BodyTrackerSpec::view_bias_sigma_m, 1.0},
-    {"own_bias_sigma_m", &BodyTrackerSpec::own_bias_sigma_m, 1.0},
-    {"wander_sigma_m", &BodyTrackerSpec::wander_sigma_m, 1.0},
-    {"view_wander_sigma_m", &BodyTrackerSpec::view_wander_sigma_m, 1.0},
-    {"own_wander_sigma_m", &BodyTrackerSpec::own_wander_sigma_m, 1.0},
-    {"jitter_sigma_m", &BodyTrackerSpec::jitter_sigma_m, 1.0},
-    {"jump_rate_per_minute", &BodyTrackerSpec::jump_rate_per_minute, 60.0},
-    {"inferred_error_sigma_m", &BodyTrackerSpec::inferred_error_sigma_m, 1.0},
+struct DeclaredGroups {
+  BodyTrackerSpec::Groups value{};
+  std::string unit, source;
+  std::map<std::string, std::array<double, 2>> interval;
+
+  static void fields(auto& self, auto&& f) {
+    f("unit", self.unit, "source", self.source);
+    for (std::size_t g = 0; g < kTrackerGroups; ++g) f(kGroupNames[g], self.value[g]);
+    f("interval", self.interval, kMayLack);
+  }
+};
+struct TrackerDocument {
+  std::map<std::string, DeclaredGroups> groups;
+  std::map<std::string, DeclaredValue> values;
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.body_tracker");
+    f("groups", self.groups, "values", self.values);
+  }
 };
 
-struct ValueField {
-  const char* key;
-  double BodyTrackerSpec::*member;
-  double most;
-  double least = 0.0;
-};
-constexpr ValueField kValueFields[] = {
-    {"wander_path_m", &BodyTrackerSpec::wander_path_m, 100.0},
-    {"ray_ratio", &BodyTrackerSpec::ray_ratio, 100.0, 0.01},
-    {"unit_depth_share", &BodyTrackerSpec::unit_depth_share, 1.0},
-    {"lag_s", &BodyTrackerSpec::lag_s, 10.0},
-    {"jump_size_m", &BodyTrackerSpec::jump_size_m, 1.0},
-    {"jump_duration_s", &BodyTrackerSpec::jump_duration_s, 60.0},
-    {"least_visible_share", &BodyTrackerSpec::least_visible_share, 1.0},
-    {"hidden_as_tracked_share", &BodyTrackerSpec::hidden_as_tracked_share, 1.0},
-    {"back_view_angle_rad", &BodyTrackerSpec::back_view_angle_rad, std::numbers::pi},
-    {"exchanged_share", &BodyTrackerSpec::exchanged_share, 1.0},
-};
-
-constexpr const char* kFormat = "trilat.body_tracker";
+void check_limits(const JsonPlace& place, double value, const Range& range) {
+  json_value::read_value(Json(value), place, need("number", range), value);
+}
 
 struct Declared {
   BodyTrackerSpec spec;
-  // In the order of the fields, those of groups first; an interval as text, empty where there is none.
-  std::vector<std::string> units, sources, intervals;
+  // By parameter; an interval as text, empty where there is none.
+  std::map<std::string, std::string> units, sources, intervals;
 };
 
-std::string interval_text(JsonObject& entry, const std::string& key) {
-  const std::vector<double> ends = entry.numbers(key, 2);
-  return fmt::format("{:g} to {:g}", ends[0], ends[1]);
-}
+// Visits the parameters and takes each from the document, which must have all of them and no other.
+struct Taken {
+  const TrackerDocument& document;
+  JsonPlace place;
+  Declared& declared;
 
-Declared read_document(JsonObject object) {
-  object.format(kFormat);
-  Declared declared;
-  const auto describe = [&](JsonObject& entry) {
-    declared.units.push_back(entry.text("unit"));
-    declared.sources.push_back(entry.text("source"));
-    if (declared.sources.back().empty()) entry.refuse("source", "must not be empty");
-    entry.finish();
-  };
-  JsonObject groups = object.object("groups");
-  for (const GroupsField& field : kGroupsFields) {
-    JsonObject entry = groups.object(field.key);
+  void operator()(const char* key, BodyTrackerSpec::Groups& into, const Range& range) const {
+    const DeclaredGroups& entry = find(document.groups, "groups", key);
+    into = entry.value;
     for (std::size_t g = 0; g < kTrackerGroups; ++g)
-      (declared.spec.*field.member)[g] =
-          number_within(entry, std::string(kGroupNames[g]), {}, 0.0, field.most);
-    std::string& text = declared.intervals.emplace_back();
-    if (entry.has("interval")) {
-      JsonObject intervals = entry.object("interval");
-      for (const std::string_view name : kGroupNames)
-        if (const std::string group(name); intervals.has(group))
-          text += fmt::format("{}{} {}", text.empty() ? "" : ", ", group, interval_text(intervals, group));
-      intervals.finish();
-    }
-    describe(entry);
+      check_limits(place.at("groups").at(key).at(kGroupNames[g]), into[g], range);
+    std::string text;
+    for (const char* group : kGroupNames)
+      if (const auto ends = entry.interval.find(group); ends != entry.interval.end())
+        text += fmt::format("{}{} {:g} to {:g}", text.empty() ? "" : ", ", group, ends->second[0],
+                            ends->second[1]);
+    describe(key, entry, text);
   }
-  groups.finish();
-  JsonObject values = object.object("values");
-  for (const ValueField& field : kValueFields) {
-    JsonObject entry = values.object(field.key);
-    declared.spec.*field.member = number_within(entry, "value", {}, field.least, field.most);
-    declared.intervals.push_back(entry.has("interval") ? interval_text(entry, "interval") : "");
-    describe(entry);
+  void operator()(const char* key, double& into, const Range& range) const {
+    const DeclaredValue& entry = find(document.values, "values", key);
+    into = entry.value;
+    check_limits(place.at("values").at(key).at("value"), into, range);
+    describe(key, entry,
+             entry.interval ? fmt::format("{:g} to {:g}", entry.interval->at(0), entry.interval->at(1)) : "");
   }
-  values.finish();
-  object.finish();
+
+ private:
+  template <class Entry>
+  const Entry& find(const std::map<std::string, Entry>& entries, const char* part, const char* key) const {
+    const auto found = entries.find(key);
+    if (found == entries.end()) place.at(part).at(key).refuse("is missing");
+    if (found->second.source.empty()) place.at(part).at(key).at("source").refuse("must not be empty");
+    return found->second;
+  }
+  void describe(const char* key, const auto& entry, const std::string& interval) const {
+    declared.units[key] = entry.unit;
+    declared.sources[key] = entry.source;
+    declared.intervals[key] = interval;
+  }
+};
+
+Declared take_document(const Json& json, const JsonPlace& place) {
+  const auto document = read_as<TrackerDocument>(json, place);
+  Declared declared;
+  BodyTrackerSpec::fields(declared.spec, Taken{document, place, declared});
+  for (const auto& [part, keys] :
+       {std::pair("groups", keys_of(document.groups)), std::pair("values", keys_of(document.values))})
+    for (const std::string& key : keys)
+      if (!declared.units.contains(key)) place.at(part).at(key).refuse("is an unknown key");
   return declared;
 }
 
 const Declared& declared() {
-  static const Declared value = [] {
-    const Json json = declared_body_tracker();
-    return read_document(JsonObject(json, "datasets/synthetic/body_tracker.json", ""));
-  }();
+  static const Declared value =
+      take_document(declared_body_tracker(), {"datasets/synthetic/body_tracker.json"});
   return value;
 }
 
+// Visits the parameters as settings, each with what it is and rests on.
+struct AsSettings {
+  Fields& f;
+  void operator()(const char* key, auto& member, const Range& range) const {
+    f(key, member, opt(declared().units.at(key) + "; " + declared().sources.at(key), range));
+  }
+};
+struct SomeValues {
+  BodyTrackerSpec& spec;
+  static void fields(auto& self, Fields& f) { BodyTrackerSpec::fields(self.spec, AsSettings{f}); }
+};
+
 }  // namespace
+
+void BodyTrackerSpec::Groups::read(const Json& json, const JsonPlace& place, const About& about) {
+  if (!json.is_object()) {
+    double of_all = 0.0;
+    json_value::read_value(json, place, about, of_all);
+    fill(of_all);
+    return;
+  }
+  for (const auto& [name, value] : json.items()) {
+    const std::size_t group =
+        json_value::read_word(name, place.at(name), {kGroupNames.begin(), kGroupNames.end()});
+    json_value::read_value(value, place.at(name), about, at(group));
+  }
+}
+
+Json BodyTrackerSpec::Groups::schema(const About& about) {
+  Json schema = json_value::schema(0.0, about);
+  schema["properties"] = Json::object();
+  for (const char* name : kGroupNames) schema["properties"][name] = json_value::schema(0.0, about);
+  schema["required"] = Json::array();
+  schema["additionalProperties"] = false;
+  schema["type"] = {"number", "object"};
+  return schema;
+}
+
+void BodyTrackerSpec::read(const Json& json, const JsonPlace& place, const About& about) {
+  if (json.is_string()) {
+    std::filesystem::path named;
+    json_value::read_value(json, place, about, named);
+    read(read_json(named), named, about);
+    file = named;
+  } else if (json.is_object() && json.contains("format")) {
+    *this = take_document(json, place).spec;
+  } else {
+    *this = default_body_tracker();
+    SomeValues values{*this};
+    read_document(json, place, values);
+  }
+}
+
+Json BodyTrackerSpec::schema(const About&) {
+  BodyTrackerSpec usual = default_body_tracker();
+  Json schema = json_value::struct_schema(SomeValues{usual});
+  schema["type"] = {"object", "string"};
+  return schema;
+}
 
 TrackerGroup tracker_group_of(Joint joint) {
   switch (joint) {
@@ -166,51 +244,20 @@ Json declared_body_tracker() {
 
 const BodyTrackerSpec& default_body_tracker() { return declared().spec; }
 
-BodyTrackerSpec read_body_tracker(JsonObject& parent) {
-  constexpr const char* kKey = "body_tracker";
-  const bool is_document = parent.value(kKey).is_object() && parent.value(kKey).contains("format");
-  JsonObject object = parent.object(kKey);
-  if (is_document) return read_document(std::move(object)).spec;
-  BodyTrackerSpec spec = default_body_tracker();
-  for (const GroupsField& field : kGroupsFields) {
-    if (!object.has(field.key)) continue;
-    BodyTrackerSpec::Groups& groups = spec.*field.member;
-    if (!object.value(field.key).is_object()) {
-      groups.fill(number_within(object, field.key, {}, 0.0, field.most));
-      continue;
-    }
-    JsonObject some = object.object(field.key);
-    for (std::size_t g = 0; g < kTrackerGroups; ++g)
-      groups[g] = number_within(some, std::string(kGroupNames[g]), groups[g], 0.0, field.most);
-    some.finish();
-  }
-  for (const ValueField& field : kValueFields)
-    spec.*field.member = number_within(object, field.key, spec.*field.member, field.least, field.most);
-  for (const DeclaredParameter& parameter : tracker_parameters(default_body_tracker()))
-    object.about({{parameter.name.c_str(), (parameter.unit + "; " + parameter.source).c_str()}});
-  object.finish();
-  return spec;
-}
-
 std::vector<DeclaredParameter> tracker_parameters(const BodyTrackerSpec& spec) {
   const Declared& known = declared();
+  std::map<std::string, std::string> usual;
   std::vector<DeclaredParameter> list;
-  const auto add = [&](const char* key, const std::string& value, bool same) {
-    const std::size_t i = list.size();
-    list.push_back({key, value, known.units[i],
-                    same ? (known.intervals[i].empty() ? "" : "95 % interval " + known.intervals[i] + "; ") +
-                               known.sources[i]
-                         : kSetInTheSimulation});
-  };
-  for (const GroupsField& field : kGroupsFields) {
-    const BodyTrackerSpec::Groups& groups = spec.*field.member;
-    std::string text;
-    for (std::size_t g = 0; g < kTrackerGroups; ++g)
-      text += fmt::format("{}{} {}", g > 0 ? ", " : "", kGroupNames[g], groups[g]);
-    add(field.key, text, groups == known.spec.*field.member);
-  }
-  for (const ValueField& field : kValueFields)
-    add(field.key, fmt::format("{}", spec.*field.member), spec.*field.member == known.spec.*field.member);
+  BodyTrackerSpec::fields(
+      known.spec, [&](const char* key, const auto& value, const Range&) { usual[key] = value_text(value); });
+  BodyTrackerSpec::fields(spec, [&](const char* key, const auto& value, const Range&) {
+    const std::string& interval = known.intervals.at(key);
+    list.push_back(
+        {key, value_text(value), known.units.at(key),
+         value_text(value) != usual[key]
+             ? kSetInTheSimulation
+             : (interval.empty() ? "" : "95 % interval " + interval + "; ") + known.sources.at(key)});
+  });
   return list;
 }
 

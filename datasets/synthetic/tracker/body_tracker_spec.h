@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/document.h"
 #include "datasets/results/declared_parameters.h"
 #include "datasets/skeleton/skeleton.h"
 
@@ -22,7 +24,11 @@ std::string_view name_of(TrackerGroup group);
 // How a Kinect's body tracker differs from the truth; 0 switches any of it off. Sigmas are per axis. Defaults
 // and their sources are in body_tracker.json.
 struct BodyTrackerSpec {
-  using Groups = std::array<double, kTrackerGroups>;
+  // In a document one number for all groups, or an object of some groups' numbers.
+  struct Groups : std::array<double, kTrackerGroups> {
+    void read(const Json& json, const JsonPlace& place, const About& about);
+    static Json schema(const About& about);
+  };
   // What is systematic, fixed in the body's own frame: the same for all sensors; what goes with the direction
   // from which a sensor sees the body, as sine and cosine of its azimuth; of each sensor by itself.
   Groups bias_sigma_m{}, view_bias_sigma_m{}, own_bias_sigma_m{};
@@ -43,6 +49,34 @@ struct BodyTrackerSpec {
   double hidden_as_tracked_share = 0.0;  // share of hidden stretches that are reported as tracked
   double back_view_angle_rad = 0.0;      // body's forward to the sensor; beyond, the back is seen
   double exchanged_share = 0.0;          // share of stretches seen from behind that are taken for the front
+  std::filesystem::path file = {};       // that it was read from; empty: simulation.json itself
+
+  // Every parameter with its key and its limits; groups first, in the order of body_tracker.json.
+  static void fields(auto& self, auto&& f) {
+    f("bias_sigma_m", self.bias_sigma_m, Range{0.0, 1.0});
+    f("view_bias_sigma_m", self.view_bias_sigma_m, Range{0.0, 1.0});
+    f("own_bias_sigma_m", self.own_bias_sigma_m, Range{0.0, 1.0});
+    f("wander_sigma_m", self.wander_sigma_m, Range{0.0, 1.0});
+    f("view_wander_sigma_m", self.view_wander_sigma_m, Range{0.0, 1.0});
+    f("own_wander_sigma_m", self.own_wander_sigma_m, Range{0.0, 1.0});
+    f("jitter_sigma_m", self.jitter_sigma_m, Range{0.0, 1.0});
+    f("jump_rate_per_minute", self.jump_rate_per_minute, Range{0.0, 60.0});
+    f("inferred_error_sigma_m", self.inferred_error_sigma_m, Range{0.0, 1.0});
+    f("wander_path_m", self.wander_path_m, Range{0.0, 100.0});
+    f("ray_ratio", self.ray_ratio, Range{0.01, 100.0});
+    f("unit_depth_share", self.unit_depth_share, Range{0.0, 1.0});
+    f("lag_s", self.lag_s, Range{0.0, 10.0});
+    f("jump_size_m", self.jump_size_m, Range{0.0, 1.0});
+    f("jump_duration_s", self.jump_duration_s, Range{0.0, 60.0});
+    f("least_visible_share", self.least_visible_share, Range{0.0, 1.0});
+    f("hidden_as_tracked_share", self.hidden_as_tracked_share, Range{0.0, 1.0});
+    f("back_view_angle_rad", self.back_view_angle_rad, Range{0.0, std::numbers::pi});
+    f("exchanged_share", self.exchanged_share, Range{0.0, 1.0});
+  }
+  // "body_tracker" of simulation.json: an object of some values, where what it does not name stays as
+  // declared; a document like the one that declares them; or the name of a file that holds either.
+  void read(const Json& json, const JsonPlace& place, const About& about);
+  static Json schema(const About& about);
 };
 
 // All values at 0: the tracker is exact.
@@ -51,10 +85,6 @@ BodyTrackerSpec exact_body_tracker();
 const BodyTrackerSpec& default_body_tracker();
 // The document that declares them, with units, sources and intervals.
 Json declared_body_tracker();
-// "body_tracker" of simulation.json: such a document, or an object of some values; what it does not name
-// stays as declared. A value of groups is one number for all or an object of some groups' numbers.
-BodyTrackerSpec read_body_tracker(JsonObject& parent);
-
 // A declared value as text, with what it rests on; a value that is not the default says that it was set.
 std::vector<DeclaredParameter> tracker_parameters(const BodyTrackerSpec& spec);
 

@@ -22,8 +22,8 @@ bool has_world_position(const MocapHeader& header, const MocapAsset& asset) {
 
 // Every asset by its own name, the measured marker before what was solved under the same name. What a system
 // calls unlabelled has a number that means nothing in another file.
-std::vector<NamedPoint> points_by_name(const MocapHeader& header) {
-  std::vector<NamedPoint> points;
+NamedPoints points_by_name(const MocapHeader& header) {
+  NamedPoints points;
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const MocapAsset& asset = header.assets[i];
     if (!has_world_position(header, asset) || plain_name(asset.name).starts_with("unlabel")) continue;
@@ -52,14 +52,14 @@ void refuse_doubled(const MocapHeader& header, const std::string& name, const st
   }
 }
 
-std::vector<NamedPoint> proposed_points(const MocapHeader& header) {
-  std::vector<NamedPoint> points;
+NamedPoints proposed_points(const MocapHeader& header) {
+  NamedPoints points;
   for (JointMapping::Entry& entry : propose_mapping(header).joints)
     points.push_back({std::string(name_of(entry.joint)), std::move(entry.assets)});
   return points;
 }
 
-const NamedPoint* find_point(const std::vector<NamedPoint>& points, const std::string& name) {
+const NamedPoint* find_point(const NamedPoints& points, const std::string& name) {
   const auto same = std::ranges::find(points, name, &NamedPoint::name);
   if (same != points.end()) return &*same;
   const auto alike = std::ranges::find_if(
@@ -69,12 +69,11 @@ const NamedPoint* find_point(const std::vector<NamedPoint>& points, const std::s
 
 // The points of a file that have these names: by its mapping; else by its own names, or the joints that these
 // stand for.
-std::vector<NamedPoint> points_called(const ExternalJoints& joints, const MocapHeader& header,
-                                      const std::vector<std::string>& names) {
-  const std::vector<NamedPoint> own = joints.mapping.empty() ? points_by_name(header) : joints.mapping;
-  const std::vector<NamedPoint> told =
-      joints.mapping.empty() ? proposed_points(header) : std::vector<NamedPoint>{};
-  std::vector<NamedPoint> points;
+NamedPoints points_called(const ExternalJoints& joints, const MocapHeader& header,
+                          const std::vector<std::string>& names) {
+  const NamedPoints own = joints.mapping.empty() ? points_by_name(header) : joints.mapping;
+  const NamedPoints told = joints.mapping.empty() ? proposed_points(header) : NamedPoints{};
+  NamedPoints points;
   for (const std::string& name : names) {
     const NamedPoint* point = find_point(own, name);
     if (point && joints.mapping.empty()) refuse_doubled(header, point->name, joints.file.string());
@@ -92,14 +91,13 @@ std::string names_text(const std::vector<std::string>& names) {
   return names.size() > shown ? fmt::format("{} and {} more", text, names.size() - shown) : text;
 }
 
-std::vector<std::string> names_of(const std::vector<NamedPoint>& points) {
+std::vector<std::string> names_of(const NamedPoints& points) {
   std::vector<std::string> names;
   for (const NamedPoint& point : points) names.push_back(point.name);
   return names;
 }
 
-std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header,
-                                                 const std::vector<NamedPoint>& points,
+std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header, const NamedPoints& points,
                                                  const std::vector<std::string>& names,
                                                  const std::string& place) {
   std::vector<std::vector<std::size_t>> markers;
@@ -113,7 +111,7 @@ std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header,
 }
 
 // How the person stands in the mocap, where its points are joints: z, y, or nothing where that is not clear.
-std::optional<UpAxis> standing_axis(const MocapPositions& positions, const std::vector<NamedPoint>& points) {
+std::optional<UpAxis> standing_axis(const MocapPositions& positions, const NamedPoints& points) {
   StandingAxis standing;
   constexpr std::size_t kMaxCount = 300;  // frames, spread evenly
   const std::size_t step = std::max<std::size_t>(1, positions.time.size() / kMaxCount);
@@ -142,12 +140,12 @@ MocapPositions read_markers(const std::filesystem::path& file) {
   return read_positions(reader, assets);
 }
 
-std::vector<NamedPoint> correspondences(const Take& take) {
+NamedPoints correspondences(const Take& take) {
   const MocapHeader header = read_marker_header(take.mocap);
   std::vector<MocapHeader> external;
   for (const ExternalJoints& joints : take.joints) external.push_back(read_marker_header(joints.file));
-  const auto common = [&](const std::vector<NamedPoint>& points) {
-    std::vector<NamedPoint> both;
+  const auto common = [&](const NamedPoints& points) {
+    NamedPoints both;
     std::set<std::string> names;
     for (std::size_t k = 0; k < external.size(); ++k)
       for (const NamedPoint& point : points_called(take.joints[k], external[k], names_of(points)))
@@ -156,14 +154,14 @@ std::vector<NamedPoint> correspondences(const Take& take) {
       if (names.contains(point.name)) both.push_back(point);
     return both;
   };
-  std::vector<std::vector<NamedPoint>> ways;
+  std::vector<NamedPoints> ways;
   if (take.mapping.empty())
     ways = {points_by_name(header), proposed_points(header)};
   else
     ways = {read_points(take.mapping)};
-  std::vector<NamedPoint> best = common(ways[0]);
+  NamedPoints best = common(ways[0]);
   if (take.mapping.empty()) {
-    const std::vector<NamedPoint> proposed = common(ways[1]);
+    const NamedPoints proposed = common(ways[1]);
     if (proposed.size() > best.size()) return proposed;
     for (NamedPoint& point : best) {
       refuse_doubled(header, point.name, take.mocap.string());
@@ -223,7 +221,7 @@ std::vector<ExternalTrack> read_external(const Plan& plan, const PlannedTake& pl
   std::vector<ExternalTrack> all;
   for (const ExternalJoints& joints : planned.take.joints) {
     MocapPositions positions = read_markers(joints.file);
-    const std::vector<NamedPoint> points = points_called(joints, positions.header, plan.names);
+    const NamedPoints points = points_called(joints, positions.header, plan.names);
     if (points.empty())
       throw InputError(
           joints.file.string(),

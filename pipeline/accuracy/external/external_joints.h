@@ -22,7 +22,7 @@ MocapPositions read_markers(const std::filesystem::path& file);
 // The points of a take's truth that it also brings: by its mapping; else by their names, or the joints that
 // the names tell (propose_mapping()), whichever are more. InputError with the names of both where there is
 // none.
-std::vector<NamedPoint> correspondences(const Take& take);
+NamedPoints correspondences(const Take& take);
 
 // One note that names the mapped points that no file brings; empty when a file brings every point.
 std::vector<std::string> points_left_out(const Take& take, const std::vector<std::string>& names);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/known_names.h"
 #include "datasets/base/philox.h"
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/methods/method_kinds.h"

@@ -4,111 +4,103 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "datasets/base/error.h"
-#include "datasets/base/strict_json.h"
 #include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
 
-const std::vector<std::string> kGradients{"printed", "corrected"};
-const std::vector<std::string> kDampings{"none", "lm"};
-const std::vector<std::string> kStops{"printed", "objective", "step"};
-const std::vector<std::string> kStarts{"squared_ranges", "linear", "guess"};
-const std::vector<std::string> kLosses{"squares", "cauchy"};
+constexpr Range kFactor{1e-3, 1e3};
 
-constexpr const char* kRangeSigma =
-    "standard deviation of a range: whether ranges decide the side of the sensors' plane";
-
-void range_sigma(Settings& s, double& sigma_m) {
-  if (s.reading()) sigma_m = kUsualRangeSigma_m;
-  s("range_sigma_m", sigma_m, {0.0, 10.0}, kRangeSigma);
+void range_sigma(Fields& f, double& sigma_m) {
+  if (!f.writes()) sigma_m = kUsualRangeSigma_m;
+  f("range_sigma_m", sigma_m,
+    opt("standard deviation of a range: whether ranges decide the side of the sensors' plane", {0.0, 10.0}));
 }
 
-void linear_settings(Settings& s, MethodSpec& m) {
+void linear_settings(Fields& f, MethodSpec& m) {
   const std::string all_pairs = "all_pairs";
   std::string reference = m.linear.reference == LinearReference::all_pairs ? all_pairs : m.reference;
-  s("reference", reference, "the sensor whose sphere is subtracted, or all_pairs; empty: the first");
-  if (reference == all_pairs)
-    m.linear.reference = LinearReference::all_pairs;
-  else
-    m.reference = reference;
-  range_sigma(s, m.linear.range_sigma_m);
+  f("reference", reference, opt("the sensor whose sphere is subtracted, or all_pairs; empty: the first"));
+  if (f.reads()) {
+    m.linear.reference = reference == all_pairs ? LinearReference::all_pairs : LinearReference::one_sensor;
+    m.reference = reference == all_pairs ? "" : reference;
+  }
+  range_sigma(f, m.linear.range_sigma_m);
 }
 
-void descent_settings(Settings& s, NonlinearOptions& o) {
-  s.choice("stop", o.stop, kStops, "the rule: as printed (eq. 19), of the objective, or of the step");
-  s.positive("threshold_cm2", o.threshold_m2, "C of eq. 19", kSquareMetresPerSquareCentimetre);
-  s.positive("step_tolerance_m", o.step_tolerance_m, "ends with `stop`: `step`");
-  s("max_iterations", o.max_iterations, {1, 1'000'000}, "of each descent");
-  range_sigma(s, o.range_sigma_m);
-  s.choice("start", o.start, kStarts, "of the descent");
-  if (const std::string problem = contradiction_in(o); s.reading() && !problem.empty())
-    s.reading()->refuse("damping", problem);
+void descent_settings(Fields& f, NonlinearOptions& o) {
+  f("stop", o.stop, opt("the rule: as printed (eq. 19), of the objective, or of the step"));
+  f("threshold_cm2", o.threshold_m2, opt("C of eq. 19", kPositive, kSquareMetresPerSquareCentimetre));
+  f("step_tolerance_m", o.step_tolerance_m, opt("ends with `stop`: `step`", kPositive));
+  f("max_iterations", o.max_iterations, opt("of each descent", {1.0, 1e6}));
+  range_sigma(f, o.range_sigma_m);
+  f("start", o.start, opt("of the descent"));
+  if (const std::string problem = contradiction_in(o); f.reads() && !problem.empty())
+    f.refuse("damping", problem);
 }
 
-void nonlinear_settings(Settings& s, MethodSpec& m) {
+void nonlinear_settings(Fields& f, MethodSpec& m) {
   NonlinearOptions& o = m.nonlinear;
-  s.choice("gradient", o.gradient, kGradients, "as printed (eq. 17) or corrected");
-  s.choice("damping", o.damping, kDampings,
-           "none, as printed, or Levenberg-Marquardt from both sides of the sensors' plane");
-  s.positive("printed_unit_m", o.printed_unit_m, "unit of length of the printed gradient");
-  descent_settings(s, o);
+  f("gradient", o.gradient, opt("as printed (eq. 17) or corrected"));
+  f("damping", o.damping,
+    opt("none, as printed, or Levenberg-Marquardt from both sides of the sensors' plane"));
+  f("printed_unit_m", o.printed_unit_m, opt("unit of length of the printed gradient", kPositive));
+  descent_settings(f, o);
 }
 
 // Gradient and damping are no choice.
-void newton_settings(Settings& s, MethodSpec& m) {
-  m.nonlinear.curvature = Curvature::newton;
-  descent_settings(s, m.nonlinear);
+void newton_settings(Fields& f, MethodSpec& m) {
+  if (f.reads()) m.nonlinear.curvature = Curvature::newton;
+  descent_settings(f, m.nonlinear);
 }
 
-void range_bearing_settings(Settings& s, MethodSpec& m) {
+void range_bearing_settings(Fields& f, MethodSpec& m) {
   RangeBearingOptions& o = m.range_bearing;
-  if (s.reading()) {
+  if (!f.writes()) {
     m.sigma_is_estimated = true;
     o.loss = Loss::cauchy;
   }
-  s.choice("sigma", m.sigma_is_estimated, stated_or_estimated(),
-           "stated: the next two; estimated: from the disagreement of the sensors in the other half of the "
-           "take, and stated where that tells nothing");
-  s("range_sigma_m", o.sigma.range_m, {1e-6, 1e3}, "standard deviation of a sensor's position along its ray");
-  s("bearing_sigma_m", o.sigma.bearing_m, {1e-6, 1e3}, "and across it, in each of both directions");
-  s("inferred_factor", o.sigma.inferred_factor, {1e-3, 1e3},
-    "on both, of an inferred joint; where sigma is estimated it is, too");
-  s.choice("loss", o.loss, kLosses, "of a sensor's residual in sigmas");
-  s("loss_scale", o.loss_scale, {1e-3, 1e3}, "of cauchy, in sigmas");
+  f.named("sigma", m.sigma_is_estimated, kStatedOrEstimated,
+          opt("stated: the next two; estimated: from the disagreement of the sensors in the other half of "
+              "the take, and stated where that tells nothing"));
+  f("range_sigma_m", o.sigma.range_m,
+    opt("standard deviation of a sensor's position along its ray", {1e-6, 1e3}));
+  f("bearing_sigma_m", o.sigma.bearing_m, opt("and across it, in each of both directions", {1e-6, 1e3}));
+  f("inferred_factor", o.sigma.inferred_factor,
+    opt("on both, of an inferred joint; where sigma is estimated it is, too", kFactor));
+  f("loss", o.loss, opt("of a sensor's residual in sigmas"));
+  f("loss_scale", o.loss_scale, opt("of cauchy, in sigmas", kFactor));
 }
 
 // The settings that methods over time share.
 template <class Options>
-void motion_settings(Settings& s, Options& o) {
-  s("sigma_m", o.sigma_m, {1e-6, 10.0}, "of a position, an axis");
-  s("inferred_factor", o.inferred_factor, {1e-3, 1e3}, "on sigma_m, of an inferred joint");
-  s("acceleration_density_m2_s3", o.acceleration_density_m2_s3, {1e-9, 1e9},
-    "of the white acceleration that drives the motion");
-  s("longest_gap_s", o.longest_gap_s, {1e-3, 3600.0}, "nothing is answered across a longer one");
+void motion_settings(Fields& f, Options& o) {
+  f("sigma_m", o.sigma_m, opt("of a position, an axis", {1e-6, 10.0}));
+  f("inferred_factor", o.inferred_factor, opt("on sigma_m, of an inferred joint", kFactor));
+  f("acceleration_density_m2_s3", o.acceleration_density_m2_s3,
+    opt("of the white acceleration that drives the motion", {1e-9, 1e9}));
+  f("longest_gap_s", o.longest_gap_s, opt("nothing is answered across a longer one", {1e-3, 3600.0}));
 }
 
-void kalman_settings(Settings& s, MethodSpec& m) {
-  motion_settings(s, m.kalman);
-  s("gate_sigma", m.kalman.gate_sigma, {1.0, 1e6},
-    "positions that are less likely than so many standard deviations are left out");
+void kalman_settings(Fields& f, MethodSpec& m) {
+  motion_settings(f, m.kalman);
+  f("gate_sigma", m.kalman.gate_sigma,
+    opt("positions that are less likely than so many standard deviations are left out", {1.0, 1e6}));
 }
 
-void rts_settings(Settings& s, MethodSpec& m) {
-  m.kalman.smooth = true;
-  kalman_settings(s, m);
+void rts_settings(Fields& f, MethodSpec& m) {
+  if (f.reads()) m.kalman.smooth = true;
+  kalman_settings(f, m);
 }
 
-void window_settings(Settings& s, MethodSpec& m) {
+void window_settings(Fields& f, MethodSpec& m) {
   BoneSmootherOptions& o = m.bones;
-  if (s.reading()) s.reading()->removed("window_s", "the whole take is one problem");
-  motion_settings(s, o);
-  s("bone_sigma_m", o.bone_sigma_m, {1e-4, 10.0},
-    "by how much a bone's length differs from its median over the take");
-  s("loss_scale_m", o.loss_scale_m, {1e-3, 10.0}, "of Cauchy's loss");
+  f.removed("window_s", "the whole take is one problem");
+  motion_settings(f, o);
+  f("bone_sigma_m", o.bone_sigma_m,
+    opt("by how much a bone's length differs from its median over the take", {1e-4, 10.0}));
+  f("loss_scale_m", o.loss_scale_m, opt("of Cauchy's loss", {1e-3, 10.0}));
 }
 
 RangeProblem ranges_from(const JointInstant& instant, SensorMask sensors) {
@@ -176,7 +168,7 @@ const std::vector<MethodKind>& method_kinds() {
        .what = "the same minimum by Ceres: a second opinion",
        .source = "eq. 10; Agarwal and Mierle, Ceres Solver",
        .needs_ranges = true,
-       .settings = [](Settings& s, MethodSpec& m) { range_sigma(s, m.ceres.range_sigma_m); },
+       .settings = [](Fields& f, MethodSpec& m) { range_sigma(f, m.ceres.range_sigma_m); },
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {
              return solve_ceres(ranges_from(instant, sensors), m.spec.ceres);
@@ -201,9 +193,11 @@ const std::vector<MethodKind>& method_kinds() {
        .source = "baseline",
        .needs_ranges = false,
        .settings =
-           [](Settings& s, MethodSpec& m) {
-             s("outlier_m", m.mean.outlier_m, {0.0, 10.0},
-               "the position farthest from the median is left out where it is farther than this; 0: none is");
+           [](Fields& f, MethodSpec& m) {
+             f("outlier_m", m.mean.outlier_m,
+               opt("the position farthest from the median is left out where it is farther than this; 0: none "
+                   "is",
+                   {0.0, 10.0}));
            },
        .evaluate =
            [](const Method& m, const JointInstant& instant, SensorMask sensors) {

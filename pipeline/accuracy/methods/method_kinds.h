@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/base/settings.h"
 #include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/methods/over_time.h"
 
@@ -21,7 +20,7 @@ struct MethodKind {
   bool needs_ranges;        // it sees the joint's distances; else its positions in the world
   bool calibrates = false;  // its calibration is estimated unless a study says otherwise
   std::size_t sensors = 0;  // it uses just so many; 0: any number
-  void (*settings)(Settings& settings, MethodSpec& spec) = nullptr;  // its own; null when it has none
+  void (*settings)(Fields& f, MethodSpec& spec) = nullptr;  // its own; null when it has none
   // One of both: an instant by itself, seen by some sensors; or whole paths.
   PointEstimate (*evaluate)(const Method& method, const JointInstant& instant, SensorMask sensors) = nullptr;
   OverTimeSolver over_time = nullptr;

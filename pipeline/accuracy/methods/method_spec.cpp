@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
-#include "datasets/base/settings.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 
 namespace trilat {
@@ -17,84 +15,69 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
-}  // namespace
-
-const std::vector<std::string>& occlusion_rule_names() {
-  static const std::vector<std::string> names{"off", "printed", "corrected", "inferred", "hidden"};
-  return names;
-}
-
-const std::vector<std::string>& stated_or_estimated() {
-  static const std::vector<std::string> names{"stated", "estimated"};
-  return names;
-}
-
-namespace {
-
-// The settings that methods of all kinds have. Kind and name are known before.
-void tell(Settings& s, MethodSpec& m) {
-  JsonObject* object = s.reading();
-  s.texts("sensors", m.sensors, "those it may use; empty: all");
-  if (object ? object->has("each") : m.each > 0) {
-    if (object) {
-      m.each = object->count("each");  // without a default: setting() would tell one
-      object->range("each", 1, kMaxSensors);
-      object->about({{"each", "one method for each set of so many sensors"}});
-      if (m.each < 1 || m.each > kMaxSensors)
-        object->refuse("each", fmt::format("must be 1 to {}, is {}", kMaxSensors, m.each));
-    }
-    s.write("each", m.each);
-    s("most_sets", m.most_sets, {1, 1000}, "at most so many sets");
-    if (const std::size_t used = m.kind->sensors; object && used > 0 && m.each != used)
-      object->refuse("each", fmt::format("must be {}: {} uses so many sensors", used, m.kind->name));
-  }
-  if (m.kind->settings) m.kind->settings(s, m);
-  s.choice("calibration", m.calibration_is_estimated, stated_or_estimated(),
-           "stated: as calibration.json has it; estimated: each sensor's turn, shift and range offset, found "
-           "from the bodies of the take without truth, are taken away first");
-  s.choice("occlusion", m.occlusion, occlusion_rule_names(),
-           "how sensors are found that see the joint occluded, which are then left out: by crossing limbs as "
-           "printed (eq. 8) or in the image, where the joint is inferred, or, in simulations alone, where it "
-           "is truly hidden");
-  if (m.occlusion == OcclusionRule::off) return;
-  if (object && m.kind->sensors == 1)
-    object->refuse("occlusion", "leaves a method of one sensor nothing to choose from");
-  if (m.occlusion == OcclusionRule::hidden) m.inferred_is_occluded = false;
-  if (m.occlusion != OcclusionRule::inferred)
-    s("inferred_is_occluded", m.inferred_is_occluded, "an inferred joint counts as one crossing more");
-  s("fewest_sensors", m.fewest_sensors, {1, kMaxSensors},
-    "those with the fewest crossings come back until there are so many");
-}
-
-}  // namespace
-
-MethodSpec read_method(JsonObject& object) {
+MethodSpec method_of(const MethodKind& kind) {
   MethodSpec method;
-  method.kind = &method_kinds()[object.branch("method", kind_names())];
-  method.calibration_is_estimated = method.kind->calibrates;
-  if (object.has("name")) method.name = object.text("name");
-  object.about(
-      {{"method", fmt::format("{}; {}", method.kind->what, method.kind->source).c_str()},
-       {"name", "of its rows; unique in the study; without it the kind and the sensors that are named"}});
-  Settings settings(object);
-  tell(settings, method);
-  if (!object.has("name"))
-    method.name = method.sensors.empty() || method.each > 0
-                      ? std::string(method.kind->name)
-                      : fmt::format("{} {}", method.kind->name, fmt::join(method.sensors, "+"));
-  if (method.name.empty() || method.name.size() > 60) object.refuse("name", "must have 1 to 60 characters");
-  const std::size_t used = method.kind->sensors;
-  if (used > 1 && method.each == 0 && !method.sensors.empty() && method.sensors.size() != used)
-    object.refuse("sensors", fmt::format("must name the {} sensors that {} uses", used, method.kind->name));
-  object.finish();
+  method.kind = &kind;
+  method.calibration_is_estimated = kind.calibrates;
   return method;
 }
 
-Json resolved_json(MethodSpec m) {
-  Json entry{{"method", m.kind->name}, {"name", m.name}};
-  Settings settings(entry);
-  tell(settings, m);
-  return entry;
+void visit_sets(Fields& f, MethodSpec& m) {
+  std::optional<std::uint64_t> each;
+  if (m.each > 0) each = m.each;
+  f("each", each, opt("one method for each set of so many sensors", {1.0, kMaxSensors}));
+  if (f.reads()) m.each = each.value_or(0);
+  if (const std::size_t used = m.kind->sensors; m.each > 0 && used > 0 && m.each != used)
+    f.refuse("each", fmt::format("must be {}: {} uses so many sensors", used, m.kind->name));
+  if (f.when(m.each > 0)) f("most_sets", m.most_sets, opt("at most so many sets", {1.0, 1000.0}));
+}
+
+void visit_occlusion(Fields& f, MethodSpec& m) {
+  f("occlusion", m.occlusion,
+    opt("how sensors are found that see the joint occluded, which are then left out: by crossing limbs as "
+        "printed (eq. 8) or in the image, where the joint is inferred, or, in simulations alone, where it is "
+        "truly hidden"));
+  const bool is_off = m.occlusion == OcclusionRule::off, uses_one = m.kind->sensors == 1;
+  if (!is_off && uses_one) f.refuse("occlusion", "leaves a method of one sensor nothing to choose from");
+  if (!f.when(!is_off) || uses_one) return;
+  if (f.reads() && m.occlusion == OcclusionRule::hidden) m.inferred_is_occluded = false;
+  if (m.occlusion != OcclusionRule::inferred)
+    f("inferred_is_occluded", m.inferred_is_occluded, opt("an inferred joint counts as one crossing more"));
+  f("fewest_sensors", m.fewest_sensors,
+    opt("those with the fewest crossings come back until there are so many", {1.0, kMaxSensors}));
+}
+
+}  // namespace
+
+void MethodSpec::fields(MethodSpec& m, Fields& f) {
+  std::size_t kind = m.kind ? static_cast<std::size_t>(m.kind - method_kinds().data()) : 0;
+  f.tag("method", kind, kind_names(), m.kind ? fmt::format("{}; {}", m.kind->what, m.kind->source) : "");
+  if (f.reads()) m = method_of(method_kinds()[kind]);
+  f("name", m.name,
+    opt("of its rows; unique in the study; without it the kind and the sensors that are named"));
+  f("sensors", m.sensors, opt("those it may use; empty: all"));
+  visit_sets(f, m);
+  if (m.kind->settings) m.kind->settings(f, m);
+  f.named("calibration", m.calibration_is_estimated, kStatedOrEstimated,
+          opt("stated: as calibration.json has it; estimated: each sensor's turn, shift and range offset, "
+              "found from the bodies of the take without truth, are taken away first"));
+  visit_occlusion(f, m);
+  if (f.reads() && !f.has("name", true))
+    m.name = m.sensors.empty() || m.each > 0 ? std::string(m.kind->name)
+                                             : fmt::format("{} {}", m.kind->name, fmt::join(m.sensors, "+"));
+}
+
+void MethodSpec::check(const JsonPlace& place) const {
+  if (name.empty() || name.size() > 60) place.at("name").refuse("must have 1 to 60 characters");
+  if (kind->sensors > 1 && each == 0 && !sensors.empty() && sensors.size() != kind->sensors)
+    place.at("sensors").refuse(
+        fmt::format("must name the {} sensors that {} uses", kind->sensors, kind->name));
+}
+
+std::vector<MethodSpec> MethodSpec::alternatives() {
+  std::vector<MethodSpec> methods;
+  for (const MethodKind& kind : method_kinds()) methods.push_back(method_of(kind));
+  return methods;
 }
 
 }  // namespace trilat

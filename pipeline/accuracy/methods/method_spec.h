@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/document.h"
 #include "evaluators/ceres/ceres_trilateration.h"
 #include "evaluators/fusion/baselines.h"
 #include "evaluators/fusion/bone_smoother.h"
@@ -24,7 +24,8 @@ struct MethodKind;
 // whom it is truly hidden, which simulations alone know.
 enum class OcclusionRule : std::uint8_t { off, printed, corrected, inferred, hidden };
 inline constexpr std::size_t kOcclusionRules = 5;
-const std::vector<std::string>& occlusion_rule_names();
+template <>
+inline constexpr std::array words<OcclusionRule>{"off", "printed", "corrected", "inferred", "hidden"};
 
 // One method with its settings, before it is known which sensors the rig has. Only the options of its own
 // kind count.
@@ -49,17 +50,16 @@ struct MethodSpec {
   bool calibration_is_estimated = false;
   KalmanOptions kalman;       // of kalman and rts
   BoneSmootherOptions bones;  // of window
+
+  static void fields(MethodSpec& m, Fields& f);
+  void check(const JsonPlace& place) const;
+  static std::vector<MethodSpec> alternatives();  // one a kind
 };
 
 // Whether the method needs to know which joints are hidden.
 inline bool asks_for_hidden(const MethodSpec& spec) { return spec.occlusion == OcclusionRule::hidden; }
 
 // Where a setting comes from: from the study or calibration, or from the take itself.
-const std::vector<std::string>& stated_or_estimated();
-
-// One entry of a study's "methods".
-MethodSpec read_method(JsonObject& object);
-// Every setting of the method written out.
-Json resolved_json(MethodSpec method);
+inline const std::vector<std::string> kStatedOrEstimated{"stated", "estimated"};
 
 }  // namespace trilat

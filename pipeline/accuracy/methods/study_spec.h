@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/strict_json.h"
+#include "datasets/base/json.h"
 #include "datasets/base/time.h"
 #include "datasets/results/results_file.h"
 #include "evaluators/alignment/alignment.h"
@@ -16,23 +16,33 @@
 namespace trilat {
 
 enum class ClockSource : std::uint8_t { stated, check, motion };
+template <>
+inline constexpr std::array words<ClockSource>{"stated", "check", "motion"};
 
 // The truth that estimates are held against: the mocap of each take; what each sensor in turn sees, left out
 // of every method; the first of these that the campaign allows; or nothing at all, which no file asks for.
 enum class TruthSource : std::uint8_t { automatic, mocap, left_out_sensor, nothing };
+template <>
+inline constexpr std::array words<TruthSource>{"auto", "mocap", "left_out_sensor"};
 
 // What a sensor says at an instant: between the frames before and behind it, which only an offline evaluation
 // has, or the newest frame that the recorder had by then, held, as a live system has it.
 enum class FrameChoice : std::uint8_t { interpolated, newest };
+template <>
+inline constexpr std::array words<FrameChoice>{"interpolated", "newest"};
 
 // Whose sensor poses: those that the takes state; or by the campaign's wand, all its places refined together,
 // or the paper's two (eq. 6 and 7), corrected or as printed.
 enum class PoseSource : std::uint8_t { stated, wand, two_positions, printed };
+template <>
+inline constexpr std::array words<PoseSource>{"stated", "wand", "two_positions", "printed"};
 
 // Source of a frame's time. `offline`: its ticks and all exchanges of clocks. `exact`: as the simulator
 // knows. As a live system: by its arrival and the exchanges until then, corrected (`causal`), or by eq. 20 to
 // 22 as printed, which give the time on the clock of the sensor's computer (erratum E11).
 enum class SensorClocks : std::uint8_t { offline, exact, causal, printed };
+template <>
+inline constexpr std::array words<SensorClocks>{"offline", "exact", "causal", "printed"};
 
 // Settings between what was recorded and what methods see.
 struct Stage {
@@ -46,6 +56,17 @@ struct Stage {
   // Calibration of poses that are not the stated ones, filled by with_wand_poses(). A plan for people to read
   // does without.
   std::filesystem::path calibration = {};
+
+  // Its settings, as a study has them too; and those of one of several stages, with its name.
+  static void visit_settings(Stage& self, Fields& f);
+  static void fields(Stage& self, Fields& f);
+};
+// In a document each has what its own keys change of the one before.
+struct Stages : std::vector<Stage> {
+  Stage before = {};  // the first
+  void read(const Json& json, const JsonPlace& place, const About& about);
+  Json json() const;
+  static Json schema(const About& about);
 };
 
 // study.json, format 1, kind "accuracy": takes x methods -> errors.
@@ -65,10 +86,8 @@ struct StudySpec {
   // 1/30, 1/100 or 1/120 s: drift or rounding would decide whether a gap of as many frames is within it.
   double sensor_gap_s = 0.11;
   double truth_gap_s = 0.055;
-  Stage stage = {};  // of all takes, where there are no stages
-  // One after the other, each with what its own keys change of the one before; every take is evaluated at
-  // each, and each is a condition.
-  std::vector<Stage> stages = {};
+  Stage stage = {};    // of all takes, where there are no stages
+  Stages stages = {};  // every take is evaluated at each, and each is a condition
   // `run --cross-check` fails beyond: where the rig is nearly flat, rounding of the cost alone moves a
   // minimum by 1e-7.
   double cross_check_limit_m = 1e-6;
@@ -78,6 +97,9 @@ struct StudySpec {
   double training_share = 0.5;   // of a take, at its start: what joint_offset learns from
   double clock_error_s = 0.005;  // between truth and sensors, as the paper states it
   std::vector<MethodSpec> methods;
+
+  static void fields(StudySpec& self, Fields& f);
+  void check(const JsonPlace& place) const;
 };
 
 StudySpec parse_study(const Json& json, const std::string& place, const std::filesystem::path& folder);
@@ -87,8 +109,5 @@ std::vector<Stage> stages_of(const StudySpec& study);
 
 // The study as one stage sees it, by itself.
 StudySpec at_stage(StudySpec study, const Stage& stage);
-
-// Every setting written out, defaults included: what goes into the manifest and its hash.
-Json resolved_json(StudySpec spec);
 
 }  // namespace trilat

@@ -41,8 +41,8 @@ struct PlannedTake {
   std::vector<SensorClockMap> host_from_sensor;
   HostTime start;
   std::uint64_t instants = 0;
-  std::string span_note;             // names sensors that recorded only a part of it
-  std::vector<NamedPoint> points{};  // of the mocap, by the plan's names, where there is no session
+  std::string span_note;  // names sensors that recorded only a part of it
+  NamedPoints points{};   // of the mocap, by the plan's names, where there is no session
 };
 
 // The work of a run, in an order that does not depend on threads. The id of a work item is the id of its

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/base/described.h"
+#include "datasets/base/document.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/tracking_summary.h"
@@ -21,7 +21,9 @@ struct TakeInput {
   std::uintmax_t bytes = 0;
   std::string sha256;  // empty when it could not be read
 
-  TRILAT_FIELDS(role, file, bytes, sha256)
+  static void fields(auto& self, auto&& f) {
+    f("role", self.role, "file", self.file, "bytes", self.bytes, "sha256", self.sha256);
+  }
 };
 
 // How far one of the own solvers and Ceres were apart in one take.
@@ -31,7 +33,10 @@ struct TakeCheck {
   std::string worst_at, disagreed_at;  // the first
   void merge(const TakeCheck& later);
 
-  TRILAT_FIELDS(samples, disagreements, lost, worst_m, worst_at, disagreed_at)
+  static void fields(auto& self, auto&& f) {
+    f("samples", self.samples, "disagreements", self.disagreements, "lost", self.lost, "worst_m",
+      self.worst_m, "worst_at", self.worst_at, "disagreed_at", self.disagreed_at);
+  }
 };
 
 // Diagnostics of one take's sensors.
@@ -42,7 +47,10 @@ struct TakeTracking {
   std::vector<RuleRow> rules = {};
   std::vector<BoundRow> bounds = {};
 
-  TRILAT_FIELDS(checks, clock, rays, rules, bounds)
+  static void fields(auto& self, auto&& f) {
+    f("checks", self.checks, "clock", self.clock, "rays", self.rays, "rules", self.rules, "bounds",
+      self.bounds);
+  }
 };
 
 // All that evaluating one take gives besides its file.
@@ -53,7 +61,10 @@ struct TakeResult {
   TakeTracking tracking;
   bool evaluated = false;
 
-  TRILAT_FIELDS(evaluated, inputs, notes, checks, tracking)
+  static void fields(auto& self, auto&& f) {
+    f("evaluated", self.evaluated, "inputs", self.inputs, "notes", self.notes, "checks", self.checks,
+      "tracking", self.tracking);
+  }
 };
 
 // The results of all takes of a plan together.
