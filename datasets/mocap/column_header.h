@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/mocap/line_reader.h"
 #include "datasets/mocap/mocap_take.h"
+#include "datasets/mocap/mocap_text.h"
 
 namespace trilat {
 
@@ -53,6 +53,14 @@ bool is_trc(std::string_view first_line);
 // other rows are asked for rate, unit and count alone. Axes stay as they are. InputError with the line where
 // something is missing or contradictory.
 ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line);
+
+// Reads the rows behind such a header into the take, with a frame a row and a number a column, of these
+// assets alone: to the end, or through the first frame at `until`. Time is the frame number times the export
+// rate; only when the header states no rate it is the printed one. Times strictly increase: rows that do not
+// advance are left out and counted. InputError with the place and the asset when a number makes no sense, and
+// when a file whose format promises a count ends early.
+void read_rows(LineReader& lines, const ColumnLayout& layout, const std::vector<std::size_t>& assets,
+               MocapTime until, MocapTake& take);
 
 // Holds the header's rate against the times of the first rows: where they differ by more than rounding, or no
 // rate is stated, the times count, and `taken_as` says so. InputError where there is neither.

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/column_rows.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/csv_cell.h"
+#include "datasets/mocap/column_header.h"
 
 namespace trilat {
 namespace {
@@ -22,24 +19,69 @@ std::size_t count_fields(std::string_view line) {
   return static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
 }
 
-}  // namespace
+class RowReader {
+ public:
+  RowReader(LineReader& lines, const ColumnLayout& layout, const std::vector<std::size_t>& assets,
+            MocapTake& take);
+  void read(MocapTime until);
 
-ColumnRows::ColumnRows(LineReader& lines, MocapHeader& header, ColumnLayout layout)
-    : lines_(lines), header_(header), layout_(std::move(layout)) {
-  metres_ = metres_per(header.length_unit);
-  if (!std::isnan(header.export_rate_hz)) rate_uhz_ = std::llround(header.export_rate_hz * 1e6);
-  std::vector<std::size_t> all(header.assets.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  read_only(all);
-  std::string_view line;
-  if (!next_row(line)) return;
-  if (lines_.terminated() || count_fields(line) >= layout_.used_columns)
-    header.first_frame = read_index(line);
-  lines_.unread();
-  rows_ = 0;
+ private:
+  // The next row that is not blank, with commas between its cells, a frame number and a time.
+  bool next_row(std::string_view& line);
+  std::string_view with_commas(std::string_view line);
+  void check_promise();
+  void check_order() const;
+  void check_times() const;
+  void check_decimal_comma(std::string_view line) const;
+  void read_row(std::string_view line);
+  std::int64_t read_index(std::string_view line) const;
+  const char* read_cells(const char* p, const char* end, std::size_t& fields);
+  const char* read_number(const char* p, const char* end, std::size_t column);
+  bool add_time(std::int64_t index, double printed_s);
+  Eigen::Vector3d position(std::size_t number);
+  [[noreturn]] void refuse_cell(std::size_t column, std::string_view cell, const char* problem) const;
+  InputError cell_refusal(std::size_t column, std::string_view cell, const char* problem) const;
+
+  LineReader& lines_;
+  const ColumnLayout& layout_;
+  const std::vector<std::size_t>& assets_;
+  MocapTake& take_;
+  const MocapHeader& header_ = take_.header;
+  MocapAnomalies& anomalies_ = take_.anomalies;
+  std::vector<std::size_t> target_;  // of each column in numbers_; kNoColumn to skip it
+  std::vector<double> numbers_;      // of one row: kSlotsPerAsset an asset, and the printed time
+  std::int64_t not_finite_cells_ = 0;
+  double metres_ = 1.0;
+  std::int64_t rate_uhz_ = 0;        // 0: not stated
+  std::string text_;                 // of a row that had tabs
+  std::int64_t rows_ = 0;            // read so far
+  std::int64_t previous_index_ = 0;  // of the row before
+  std::int64_t steps_back_ = 0;      // rows whose frame is before that of the row before
+  double first_printed_s_ = kMissing, last_printed_s_ = kMissing;  // of rows that were taken
+  double zero_printed_s_ = kMissing;  // printed time of the first frame, from the first row that has one
+  FarNumbers far_;
+};
+
+RowReader::RowReader(LineReader& lines, const ColumnLayout& layout, const std::vector<std::size_t>& assets,
+                     MocapTake& take)
+    : lines_(lines), layout_(layout), assets_(assets), take_(take) {
+  metres_ = metres_per(header_.length_unit);
+  if (!std::isnan(header_.export_rate_hz)) rate_uhz_ = std::llround(header_.export_rate_hz * 1e6);
+  numbers_.assign(kSlotsPerAsset * assets.size() + 1, kMissing);
+  target_.assign(layout_.used_columns, kNoColumn);
+  target_[layout_.time_column] = numbers_.size() - 1;
+  std::size_t last = layout_.time_column;
+  for (std::size_t i = 0; i < assets.size(); ++i)
+    for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot) {
+      const std::size_t column = layout_.columns.at(assets[i])[slot];
+      if (column == kNoColumn) continue;
+      target_[column] = kSlotsPerAsset * i + slot;
+      last = std::max(last, column);
+    }
+  target_.resize(last + 1);
 }
 
-bool ColumnRows::next_row(std::string_view& line) {
+bool RowReader::next_row(std::string_view& line) {
   while (lines_.next(line)) {
     if (layout_.tab_separated && !line.empty()) line = with_commas(line);
     if (is_blank(line)) continue;
@@ -49,7 +91,7 @@ bool ColumnRows::next_row(std::string_view& line) {
   return false;
 }
 
-std::string_view ColumnRows::with_commas(std::string_view line) {
+std::string_view RowReader::with_commas(std::string_view line) {
   if (line.find(',') != std::string_view::npos)
     throw InputError(lines_.place(),
                      "the row has a comma; numbers are written with a decimal point, and tabs stand between");
@@ -59,38 +101,38 @@ std::string_view ColumnRows::with_commas(std::string_view line) {
 }
 
 // A Motive header may promise more than was exported; a TRC that ends early has been cut.
-void ColumnRows::check_promise(MocapAnomalies& anomalies) const {
+void RowReader::check_promise() {
   const std::int64_t promised = header_.total_exported_frames.value_or(0);
   if (rows_ >= promised) return;
   if (layout_.tab_separated)
     throw InputError(lines_.place(), "the file ends after " + std::to_string(rows_) +
                                          " frames; its header promises " + std::to_string(promised));
-  anomalies.frames_promised = promised;
-  anomalies.frames_there = rows_;
+  anomalies_.frames_promised = promised;
+  anomalies_.frames_there = rows_;
 }
 
 // A file that was put together goes back once or twice; more often, its rows were shuffled.
-void ColumnRows::check_order() const {
+void RowReader::check_order() const {
   constexpr std::int64_t kMaxSteps = 3, kRowsOfStep = 50;
   if (steps_back_ > kMaxSteps && steps_back_ * kRowsOfStep > rows_)
     throw InputError(lines_.place(), std::to_string(steps_back_) + " of " + std::to_string(rows_) +
                                          " rows stand behind rows of later frames; sort the rows by frame");
 }
 
-void ColumnRows::check_times(const MocapAnomalies& anomalies) const {
+void RowReader::check_times() const {
   constexpr std::int64_t kMinRows = 10;
-  if (rows_ < kMinRows || 2 * anomalies.printed_time_differs <= rows_) return;
+  if (rows_ < kMinRows || 2 * anomalies_.printed_time_differs <= rows_) return;
   const double rate_hz =
-      static_cast<double>(last_index_ - first_index_) / (last_printed_s_ - first_printed_s_);
+      static_cast<double>(take_.frame.back() - take_.frame.front()) / (last_printed_s_ - first_printed_s_);
   throw InputError(
       lines_.place(),
       fmt::format("the times of {} of {} rows are more than a frame off what frame number and rate "
                   "give: by the times the rate is {:.6g} Hz, and the header states {:.6g} Hz",
-                  anomalies.printed_time_differs, rows_, rate_hz, header_.export_rate_hz));
+                  anomalies_.printed_time_differs, rows_, rate_hz, header_.export_rate_hz));
 }
 
 // A spreadsheet or script of another locale writes 0,02 for 0.02: then a row has nearly twice the cells.
-void ColumnRows::check_decimal_comma(std::string_view line) const {
+void RowReader::check_decimal_comma(std::string_view line) const {
   std::size_t written = 0;
   for (std::size_t begin = 0; begin < line.size();) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
@@ -106,44 +148,29 @@ void ColumnRows::check_decimal_comma(std::string_view line) const {
                                          "decimal comma; save the file with decimal points");
 }
 
-void ColumnRows::read_only(const std::vector<std::size_t>& assets) {
-  assets_ = assets;
-  numbers_.assign(kSlotsPerAsset * assets.size() + 1, kMissing);
-  target_.assign(layout_.used_columns, kNoColumn);
-  target_[layout_.time_column] = numbers_.size() - 1;
-  std::size_t last = layout_.time_column;
-  for (std::size_t i = 0; i < assets.size(); ++i)
-    for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot) {
-      const std::size_t column = layout_.columns.at(assets[i])[slot];
-      if (column == kNoColumn) continue;
-      target_[column] = kSlotsPerAsset * i + slot;
-      last = std::max(last, column);
-    }
-  target_.resize(last + 1);
-}
-
-bool ColumnRows::next(MocapFrame& frame, MocapAnomalies& anomalies) {
+void RowReader::read(MocapTime until) {
   std::string_view line;
-  while (next_row(line)) {
+  while (take_.time.empty() || take_.time.back() < until) {
+    if (!next_row(line)) break;
     const bool is_short = count_fields(line) < layout_.used_columns;
     // A whole row that the header promised needs no line end.
     if (!lines_.terminated() && (is_short || !layout_.tab_separated)) {
-      anomalies.truncated_last_row = true;
+      anomalies_.truncated_last_row = true;
       rows_ -= is_short;
       if (is_short) break;
       // Its last number may lack digits.
       line = line.substr(0, line.rfind(',') + 1);
     }
-    if (read_row(line, frame, anomalies)) return true;
+    read_row(line);
   }
+  if (!take_.time.empty() && take_.time.back() >= until) return;
   far_.end();
   check_order();
-  check_times(anomalies);
-  check_promise(anomalies);
-  return false;
+  check_times();
+  check_promise();
 }
 
-bool ColumnRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomalies& anomalies) {
+void RowReader::read_row(std::string_view line) {
   const std::int64_t index = read_index(line);
   std::ranges::fill(numbers_, kMissing);
   not_finite_cells_ = 0;
@@ -153,18 +180,14 @@ bool ColumnRows::read_row(std::string_view line, MocapFrame& frame, MocapAnomali
   fields += static_cast<std::size_t>(std::count(p, end, ','));
   if (fields > layout_.written_columns) {
     check_decimal_comma(line);
-    ++anomalies.rows_with_extra_fields;
+    ++anomalies_.rows_with_extra_fields;
   }
-  frame.index = index;
-  frame.printed_time_s = numbers_.back();
-  if (!set_time(frame, anomalies)) return false;
-  anomalies.not_finite_cells += not_finite_cells_;
-  frame.poses.assign(header_.assets.size(), MocapPose());
-  for (std::size_t i = 0; i < assets_.size(); ++i) set_pose(i, frame.poses[assets_[i]], anomalies);
-  return true;
+  if (!add_time(index, numbers_.back())) return;
+  anomalies_.not_finite_cells += not_finite_cells_;
+  for (std::size_t i = 0; i < assets_.size(); ++i) take_.position_m[assets_[i]].push_back(position(i));
 }
 
-std::int64_t ColumnRows::read_index(std::string_view line) const {
+std::int64_t RowReader::read_index(std::string_view line) const {
   const auto cell = line.substr(
       0, static_cast<std::size_t>(end_of_cell(line.data(), line.data() + line.size()) - line.data()));
   std::int64_t index = 0;
@@ -174,7 +197,7 @@ std::int64_t ColumnRows::read_index(std::string_view line) const {
 }
 
 // Stands at the comma before each cell; ends behind the last wanted one.
-const char* ColumnRows::read_cells(const char* p, const char* end, std::size_t& fields) {
+const char* RowReader::read_cells(const char* p, const char* end, std::size_t& fields) {
   for (std::size_t column = 1; column < target_.size() && p != end; ++column) {
     ++p;
     ++fields;
@@ -183,7 +206,7 @@ const char* ColumnRows::read_cells(const char* p, const char* end, std::size_t& 
   return p;
 }
 
-const char* ColumnRows::read_number(const char* p, const char* end, std::size_t column) {
+const char* RowReader::read_number(const char* p, const char* end, std::size_t column) {
   if (p == end || *p == ',') return p;
   double& number = numbers_[target_[column]];
   if (const char* const behind = parse_plain_decimal(p, end, number)) return behind;
@@ -205,75 +228,82 @@ const char* ColumnRows::read_number(const char* p, const char* end, std::size_t 
   return behind;
 }
 
-bool ColumnRows::set_time(MocapFrame& frame, MocapAnomalies& anomalies) {
-  const double printed_s = frame.printed_time_s;
+// Whether the row is taken: its time advances.
+bool RowReader::add_time(std::int64_t index, double printed_s) {
   if (std::abs(printed_s) > kLatest_s)
     refuse_cell(layout_.time_column, std::to_string(printed_s), "is not a time within a take");
   if (rate_uhz_ == 0 && std::isnan(printed_s))
     throw InputError(lines_.place(),
                      "the row has no time, and the header states no frame rate to make it from");
-  if (!started_) {
-    first_printed_s_ = printed_s;
-    first_index_ = previous_index_ = frame.index;
-  }
-  steps_back_ += frame.index < previous_index_ ? 1 : 0;
-  previous_index_ = frame.index;
-  const bool advances =
-      !started_ || (frame.index > last_index_ && (rate_uhz_ != 0 || printed_s > last_printed_s_));
-  if (!advances) {
-    ++anomalies.repeated_frames;
+  const bool is_first = take_.frame.empty();
+  steps_back_ += !is_first && index < previous_index_ ? 1 : 0;
+  previous_index_ = index;
+  if (!is_first && (index <= take_.frame.back() || (rate_uhz_ == 0 && printed_s <= last_printed_s_))) {
+    ++anomalies_.repeated_frames;
     return false;
   }
-  started_ = true;
-  last_index_ = frame.index;
+  if (is_first) {
+    first_printed_s_ = printed_s;
+    take_.header.first_frame = index;
+    if (std::isfinite(printed_s)) take_.first_s = printed_s;
+  }
   last_printed_s_ = printed_s;
   const double since_s = printed_s - first_printed_s_;
   const Duration printed = duration_from_s(std::isnan(since_s) ? 0.0 : since_s);
-  if (rate_uhz_ == 0) {
-    frame.time = MocapTime{} + printed;
-    return true;
+  const Duration since =
+      rate_uhz_ == 0 ? printed : duration_of_frames(index - header_.first_frame, rate_uhz_);
+  take_.frame.push_back(index);
+  take_.time.push_back(MocapTime{} + since);
+  if (rate_uhz_ != 0 && !std::isnan(since_s) &&
+      std::abs((printed - since).ns) > duration_of_frames(1, rate_uhz_).ns)
+    ++anomalies_.printed_time_differs;
+  if (std::isnan(printed_s)) return true;
+  if (std::isnan(zero_printed_s_)) {
+    zero_printed_s_ = printed_s - since.seconds();
+    anomalies_.largest_time_error_s = 0.0;
   }
-  frame.time = MocapTime{} + duration_of_frames(frame.index - header_.first_frame, rate_uhz_);
-  if (!std::isnan(since_s) &&
-      std::abs((printed - (frame.time - MocapTime{})).ns) > duration_of_frames(1, rate_uhz_).ns)
-    ++anomalies.printed_time_differs;
+  anomalies_.largest_time_error_s =
+      std::max(anomalies_.largest_time_error_s, std::abs(printed_s - zero_printed_s_ - since.seconds()));
   return true;
 }
 
-void ColumnRows::set_pose(std::size_t number, MocapPose& pose, MocapAnomalies& anomalies) {
-  const double* const position = &numbers_[kSlotsPerAsset * number];
-  pose.position_m = metres_ * Eigen::Vector3d(position[0], position[1], position[2]);
+Eigen::Vector3d RowReader::position(std::size_t number) {
+  const double* const written = &numbers_[kSlotsPerAsset * number];
+  const Eigen::Vector3d position_m = metres_ * Eigen::Vector3d(written[0], written[1], written[2]);
   bool is_filled = false;
   for (int axis = 0; axis < 3; ++axis)
-    if (std::abs(pose.position_m[axis]) > kMaxDistance_m) {
+    if (std::abs(position_m[axis]) > kMaxDistance_m) {
       is_filled = true;
-      far_.add(position[axis], [&] {
+      far_.add(written[axis], [&] {
         return cell_refusal(layout_.columns[assets_[number]][static_cast<std::size_t>(axis)],
-                            std::to_string(position[axis]) + " " + std::string(name_of(header_.length_unit)),
+                            std::to_string(written[axis]) + " " + std::string(name_of(header_.length_unit)),
                             kTooFar);
       });
     }
-  if (is_filled) {
-    pose.position_m.setConstant(kFilled);
-    return;
-  }
-  if (pose.position_m.hasNaN()) {
-    if (!pose.position_m.array().isNaN().all()) ++anomalies.partial_poses;
-    pose.position_m.setConstant(kMissing);
-  }
+  if (is_filled) return Eigen::Vector3d::Constant(kFilled);
+  if (!position_m.hasNaN()) return position_m;
+  if (!position_m.array().isNaN().all()) ++anomalies_.partial_poses;
+  return Eigen::Vector3d::Constant(kMissing);
 }
 
-void ColumnRows::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {
+void RowReader::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {
   throw cell_refusal(column, cell, problem);
 }
 
-InputError ColumnRows::cell_refusal(std::size_t column, std::string_view cell, const char* problem) const {
+InputError RowReader::cell_refusal(std::size_t column, std::string_view cell, const char* problem) const {
   std::string who = column == 0 ? "frame" : column == layout_.time_column ? "time" : "";
   for (std::size_t i = 0; who.empty() && i < layout_.columns.size(); ++i)
     for (std::size_t slot = 0; slot < kSlotsPerAsset; ++slot)
       if (layout_.columns[i][slot] == column) who = key_of(header_, i) + ", " + std::string(kSlotNames[slot]);
   return {lines_.place(), "column " + std::to_string(column + 1) + " (" + who + "): \"" +
                               std::string(cell.substr(0, 40)) + "\" " + problem};
+}
+
+}  // namespace
+
+void read_rows(LineReader& lines, const ColumnLayout& layout, const std::vector<std::size_t>& assets,
+               MocapTime until, MocapTake& take) {
+  RowReader(lines, layout, assets, take).read(until);
 }
 
 }  // namespace trilat

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/joint_csv.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +10,9 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "datasets/base/time.h"
-#include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/missing_positions.h"
+#include "datasets/mocap/mocap_text.h"
+#include "datasets/mocap/read_mocap.h"
 
 namespace trilat {
 namespace {
@@ -75,7 +74,7 @@ bool is_joint_csv(const std::filesystem::path& path) {
   return places[0] < names.size() && places[1] < names.size();
 }
 
-MocapPositions read_joint_csv(const std::filesystem::path& path) {
+MocapTake read_joint_csv(const std::filesystem::path& path) {
   LineReader lines(path, kReadBytes);
   const std::vector<std::string> names = column_names(lines);
   const auto places = joint_columns(names);
@@ -89,7 +88,7 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     Eigen::Vector3d position_m;
   };
   std::vector<Row> rows;
-  MocapPositions positions;
+  MocapTake positions;
   positions.header.format = "joints as CSV";
   std::map<std::string, std::size_t> joints;
   FarNumbers far;
@@ -137,8 +136,10 @@ MocapPositions read_joint_csv(const std::filesystem::path& path) {
     return duration_from_s((time_s - times_s.front()) * unit_s).ns;
   };
   for (const double time_s : times_s)
-    if (positions.time.empty() || positions.time.back().ns < since_first_ns(time_s))
+    if (positions.time.empty() || positions.time.back().ns < since_first_ns(time_s)) {
+      positions.frame.push_back(std::ssize(positions.frame));
       positions.time.push_back({since_first_ns(time_s)});
+    }
   positions.position_m.assign(joints.size(), std::vector<Eigen::Vector3d>(
                                                  positions.time.size(), Eigen::Vector3d::Constant(kMissing)));
   std::size_t frame = 0;

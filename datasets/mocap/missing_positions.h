@@ -7,18 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "datasets/base/time.h"
+#include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
-
-// How many positions of one asset are no measurement.
-struct MissingCounts {
-  std::int64_t at_origin = 0;  // exactly (0, 0, 0)
-  std::int64_t filled = 0;     // a value far from all others that repeats exactly, such as 9999
-  std::int64_t held = 0;       // the last one again, to the last bit, while others move
-
-  std::int64_t sum() const { return at_origin + filled + held; }
-};
 
 // Sets positions that programs write for what they have not seen to NaN, and counts them by asset.
 // `position_m`: by asset, then by frame, NaN where it is missing; an asset without any is not looked at.

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_take.h"
 
 namespace trilat {
@@ -24,12 +23,11 @@ struct AssetSummary {
 
 struct MocapSummary {
   std::int64_t frames = 0;
-  std::int64_t index_gaps = 0;             // places where the frame index skips
-  std::int64_t skipped_frames = 0;         // indices skipped there
-  double duration_s = 0.0;                 // from the first frame to the last
-  double rate_hz = kMissing;               // as stated; else frames over duration
-  double largest_time_error_s = kMissing;  // of the printed time against the delivered one
-  std::vector<AssetSummary> assets;        // as in the header
+  std::int64_t index_gaps = 0;       // places where the frame index skips
+  std::int64_t skipped_frames = 0;   // indices skipped there
+  double duration_s = 0.0;           // from the first frame to the last
+  double rate_hz = kMissing;         // as stated; else frames over duration
+  std::vector<AssetSummary> assets;  // as in the header
 };
 
 // The axis along which the assets' mean positions spread most: that which points up, when it is a person or a
@@ -40,32 +38,7 @@ struct LikelyUp {
 };
 LikelyUp likely_up(const MocapSummary& summary);
 
-// Accumulates a summary frame by frame; summarize_mocap() fills in the counts of `no_measurement`.
-class MocapSummarizer {
- public:
-  explicit MocapSummarizer(const MocapHeader& header);
-  void add(const MocapFrame& frame);
-  const MocapSummary& finish() const { return summary_; }
-
- private:
-  struct Track {
-    bool seen = false;
-    bool missed = false;  // since the last sample
-    MocapPose last_pose;
-    MocapTime last_time;
-  };
-
-  void add_time(const MocapFrame& frame);
-  static void add_sample(const MocapPose& pose, MocapTime time, Track& track, AssetSummary& counts);
-
-  bool rate_is_stated_ = false;
-  MocapSummary summary_;
-  std::vector<Track> tracks_;
-  std::int64_t last_index_ = 0;
-  double first_printed_s_ = kMissing;
-};
-
-// Reads to the end.
-MocapSummary summarize_mocap(MocapReader& reader);
+// Of a take as it is written, with counts of what remove_missing() would take out.
+MocapSummary summarize_mocap(MocapTake take);
 
 }  // namespace trilat

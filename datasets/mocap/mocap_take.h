@@ -19,8 +19,8 @@
 namespace trilat {
 
 inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-inline constexpr double kFilled =
-    std::numeric_limits<double>::infinity();  // a far value that stands for missing
+// A far value that stands for missing.
+inline constexpr double kFilled = std::numeric_limits<double>::infinity();
 
 // What OptiTrack calls a column's type. A rigid body marker is the solved position, present while the marker
 // is hidden; a marker is the measured one, missing while hidden. `other` is a type that is none of these and
@@ -65,21 +65,6 @@ struct MocapHeader {
   bool is_simulated() const { return take_name.ends_with(kSimulatedTake) && capture_start_text.empty(); }
 };
 
-// World is right-handed, y up, metres. A position that is missing is NaN in all its components, or infinite
-// where the file has one far value again and again.
-struct MocapPose {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kMissing);
-
-  bool has_position() const { return std::isfinite(position_m.x()); }
-};
-
-struct MocapFrame {
-  std::int64_t index = 0;
-  MocapTime time;                    // zero at the first exported frame
-  double printed_time_s = kMissing;  // as written, for checks only
-  std::vector<MocapPose> poses;      // by asset of the header
-};
-
 // Oddities a reader lives with. A careful user looks at them; `trilat info` prints them.
 struct MocapAnomalies {
   std::int64_t repeated_frames = 0;  // rows dropped because time did not advance
@@ -91,6 +76,30 @@ struct MocapAnomalies {
   // What the header promises and the rows there are, where the file ends before; 0 otherwise. Known at the
   // end.
   std::int64_t frames_promised = 0, frames_there = 0;
+  double largest_time_error_s = kMissing;  // of the printed times against the delivered ones
+};
+
+// How many positions of one asset are no measurement.
+struct MissingCounts {
+  std::int64_t at_origin = 0;  // exactly (0, 0, 0)
+  std::int64_t filled = 0;     // a value far from all others that repeats exactly, such as 9999
+  std::int64_t held = 0;       // the last one again, to the last bit, while others move
+
+  std::int64_t sum() const { return at_origin + filled + held; }
+};
+
+// A motion capture. World is right-handed, y up, metres. A position that is missing is NaN in all its
+// components; in a take as it is written it is infinite where the file has one far value again and again.
+struct MocapTake {
+  MocapHeader header;
+  std::vector<std::int64_t> frame;  // number of each frame, as the file has it
+  std::vector<MocapTime> time;      // of each frame, since the first; strictly increasing
+  double first_s = 0.0;             // the first frame's time as the file has it; 0 where it has none
+  std::vector<std::vector<Eigen::Vector3d>> position_m;  // by asset and frame; empty where it was not wanted
+  std::vector<MissingCounts> missing = {};               // by asset, of positions that were taken out
+  MocapAnomalies anomalies = {};
+  // What of the file is read in another way than it is written, a sentence each.
+  std::vector<std::string> taken_as = {};
 };
 
 // "rigid_body:Wand", and "#ID" behind it when that alone does not tell it from another asset.

@@ -8,8 +8,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/column_header.h"
-#include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/line_reader.h"
 
 namespace trilat {
 namespace {

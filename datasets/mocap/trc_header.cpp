@@ -9,7 +9,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/column_header.h"
-#include "datasets/mocap/csv_cell.h"
 
 namespace trilat {
 namespace {

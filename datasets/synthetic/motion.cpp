@@ -8,7 +8,7 @@
 #include <set>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 #include "datasets/take/campaign.h"
 
 namespace trilat {
@@ -37,8 +37,7 @@ std::vector<MappedJoint> resolve(const MocapHeader& header, const std::filesyste
   return joints;
 }
 
-Eigen::Vector3d mean_of(const MocapPositions& mocap, std::size_t frame,
-                        const std::vector<std::size_t>& assets) {
+Eigen::Vector3d mean_of(const MocapTake& mocap, std::size_t frame, const std::vector<std::size_t>& assets) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t asset : assets) sum += mocap.position_m[asset][frame];  // NaN when one is missing
   return sum / static_cast<double>(assets.size());
@@ -59,8 +58,7 @@ Eigen::Vector3d point_at(const JointTrack& track, double t) {
 
 RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const std::filesystem::path& mapping,
                                     std::optional<UpAxis> up_axis) {
-  MocapReader reader(mocap);
-  const auto joints = resolve(reader.header(), mapping);
+  const auto joints = resolve(read_mocap_header(mocap), mapping);
   auto tracks = std::make_shared<std::vector<JointTrack>>();
   for (const MappedJoint& mapped : joints) tracks->push_back({mapped.joint, {}, {}});
   RecordedMotion result;
@@ -69,7 +67,7 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const st
   StandingAxis standing;
   std::set<std::size_t> wanted;
   for (const MappedJoint& mapped : joints) wanted.insert(mapped.assets.begin(), mapped.assets.end());
-  const MocapPositions positions = read_positions(reader, {wanted.begin(), wanted.end()});
+  const MocapTake positions = read_positions(mocap, {.assets = {{wanted.begin(), wanted.end()}}});
   for (std::size_t frame = 0; frame < positions.time.size(); ++frame) {
     const double t = positions.time[frame].ns * 1e-9;
     result.duration_s = t;

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "datasets/calibration/calibration.h"
-#include "datasets/markers/joint_files.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "datasets/results/summary.h"
 #include "pipeline/accuracy/methods/method_spec.h"
 #include "pipeline/accuracy/tracking_summary.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 
 namespace trilat {
 
@@ -51,17 +51,17 @@ struct PointMean {
 }  // namespace
 
 WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string& asset_name) {
-  MocapReader reader(mocap);
-  const std::size_t asset = find_asset(reader.header(), asset_name, mocap.string());
-  if (!reader.header().assets[asset].has_position)
+  const MocapHeader header = read_mocap_header(mocap);
+  const std::size_t asset = find_asset(header, asset_name, mocap.string());
+  if (!header.assets[asset].has_position)
     throw InputError(mocap.string(), "holds no position of \"" + asset_name + "\"");
-  reader.read_only({asset});
+  const MocapTake take = read_mocap(mocap, {.assets = {{asset}}});
   WandTrack track;
-  MocapFrame frame;
-  while (reader.next(frame)) {  // a wand at rest may repeat a pose to the last digit
-    if (!frame.poses[asset].has_position() || frame.poses[asset].position_m.isZero(0.0)) continue;
-    track.times.push_back(frame.time);
-    track.position_m.push_back(frame.poses[asset].position_m);
+  for (std::size_t f = 0; f < take.time.size(); ++f) {  // a wand at rest may repeat a pose to the last digit
+    const Eigen::Vector3d& position_m = take.position_m[asset][f];
+    if (!position_m.allFinite() || position_m.isZero(0.0)) continue;
+    track.times.push_back(take.time[f]);
+    track.position_m.push_back(position_m);
   }
   return track;
 }

@@ -49,7 +49,7 @@ Campaign campaign_of(const CompareArguments& a) {
 
 // The truth's own frames are the instants.
 double rate_of(const std::filesystem::path& truth) {
-  const MocapPositions positions = read_markers(truth);
+  const MocapTake positions = read_markers(truth);
   if (std::isfinite(positions.header.export_rate_hz)) return positions.header.export_rate_hz;
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < positions.time.size(); ++i)

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/markers/joint_files.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "pipeline/accuracy/fuse_session.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"

@@ -13,8 +13,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/known_names.h"
 #include "datasets/base/text_output.h"
-#include "datasets/mocap/joint_csv.h"
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/accuracy/proposals.h"
@@ -90,14 +89,14 @@ fs::path nearest_file(const std::string& name, fs::path from, const fs::path& to
 // evaluated without it.
 bool is_mocap(const fs::path& file) {
   if (!std::set<std::string>{".csv", ".trc", ".c3d"}.contains(file.extension().string())) return false;
-  return begins_as_mocap(file) && !MocapReader(file).header().assets.empty();
+  return begins_as_mocap(file) && !read_mocap_header(file).assets.empty();
 }
 
 // A table beside a recording that is in no format that is read.
 void note_unread(const fs::path& file, Found& found) {
   if (!std::set<std::string>{".csv", ".trc", ".tsv", ".c3d"}.contains(file.extension().string())) return;
   try {
-    if (!is_joint_csv(file)) MocapReader reader(file);
+    if (!is_joint_csv(file)) read_mocap_header(file);
   } catch (const InputError& error) {
     const std::string text = fmt::format("left out, no motion capture: {}", error.what());
     if (std::ranges::find(found.notes, text) == found.notes.end()) found.notes.push_back(text);
@@ -250,7 +249,7 @@ void add_mapping(const InitArguments& arguments, Found& found) {
       std::ranges::find_if(found.takes, [](const FoundTake& f) { return !f.take.mocap.empty(); });
   if (fs::exists(file) || with_mocap == found.takes.end()) return;
   const fs::path mocap = with_mocap->take.mocap;
-  found.mapping = propose_mapping(MocapReader(mocap).header());
+  found.mapping = propose_mapping(read_mocap_header(mocap));
   if (!found.mapping.joints.empty()) return;
   throw InputError(mocap.string(),
                    "has no names that tell which joint is which; write " + file.string() +
@@ -353,7 +352,7 @@ void write_study(const InitArguments& arguments, Found& found) {
 
 // Prints mapping.json, and on stderr which joints are not in it.
 int print_mapping(const std::filesystem::path& file) {
-  const JointMapping mapping = propose_mapping(MocapReader(file).header());
+  const JointMapping mapping = propose_mapping(read_mocap_header(file));
   if (mapping.joints.empty())
     throw InputError(file.string(),
                      "has no names that tell which joint is which; write mapping.json by hand "

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json.h"
-#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/read_mocap.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {
@@ -51,7 +51,7 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
           {"stated_frames", count_or_null(header.total_exported_frames)},
           {"index_gaps", s.index_gaps},
           {"skipped_frames", s.skipped_frames},
-          {"largest_time_error_s", s.largest_time_error_s},
+          {"largest_time_error_s", a.largest_time_error_s},
           {"repeated_frames", a.repeated_frames},
           {"rows_with_extra_fields", a.rows_with_extra_fields},
           {"not_finite_cells", a.not_finite_cells},
@@ -122,12 +122,14 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
 }  // namespace
 
 int info_of_mocap(const std::filesystem::path& file, bool json) {
-  MocapReader reader(file);
-  const MocapSummary summary = summarize_mocap(reader);
+  MocapTake take = read_mocap(file);
+  const MocapHeader header = take.header;
+  const MocapAnomalies anomalies = take.anomalies;
+  const MocapSummary summary = summarize_mocap(std::move(take));
   if (json)
-    fmt::print("{}\n", json_text(json_of(reader.header(), summary, reader.anomalies()), 2));
+    fmt::print("{}\n", json_text(json_of(header, summary, anomalies), 2));
   else
-    print_text(file.string(), reader.header(), summary, reader.anomalies());
+    print_text(file.string(), header, summary, anomalies);
   return kDone;
 }
 

@@ -12,7 +12,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/text_output.h"
 #include "datasets/base/units.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "pipeline/calibration/wand_views.h"
 #include "pipeline/simulate/simulate_take.h"
@@ -29,15 +29,12 @@ void write_wand_mocap(const SimulationSpec& spec, const WandMotion& wand, const 
   const std::int64_t frames = mocap_frames(spec.mocap, wand.duration_s());
   OptitrackCsvWriter writer(path, simulated_mocap_header("wand simulated", spec.mocap.rate_hz, frames,
                                                          AssetType::rigid_body, {"wand"}));
-  MocapFrame frame;
-  frame.poses.resize(1);
   for (std::int64_t f = 0; f < frames; ++f) {
     if (f % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
     const WandInstant instant = wand.at(static_cast<double>(f) / spec.mocap.rate_hz);
-    frame.index = f;
-    frame.poses[0].position_m = simulate_rigid_body(instant.ball_in_world_m, spec.mocap, wand_item(spec),
-                                                    static_cast<std::uint64_t>(f));
-    writer.write(frame);
+    const Eigen::Vector3d wand_m = simulate_rigid_body(instant.ball_in_world_m, spec.mocap, wand_item(spec),
+                                                       static_cast<std::uint64_t>(f));
+    writer.write(f, {&wand_m, 1});
   }
   writer.finish();
 }

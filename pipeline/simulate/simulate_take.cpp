@@ -6,7 +6,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/perturbed_calibration.h"
@@ -173,21 +173,17 @@ void write_simulated_mocap(const MocapSpec& mocap_spec, const SimulatedTakePlan&
   };
   OptitrackCsvWriter mocap = writer("mocap.csv", "", markers),
                      truth = writer("truth.csv", " true joints", joints);
-  MocapFrame seen, exact;
-  seen.poses.resize(markers.size());
-  exact.poses.resize(joints.size());
+  std::vector<Eigen::Vector3d> seen(markers.size());
   for (std::int64_t f = 0; f < frames; ++f) {
     if (f % 256 == 0 && stop_requested && stop_requested()) throw Interrupted();
     const SkeletonPose pose = plan.motion(static_cast<double>(f) / rate_hz);
-    seen.index = exact.index = f;
-    for (std::size_t j = 0; j < joints.size(); ++j) exact.poses[j].position_m = pose.joint_in_world_m[j];
     std::size_t next = 0;
     for (Joint joint : plan.marker_joints)
       for (const Eigen::Vector3d& marker :
            simulate_markers(pose, joint, mocap_spec, plan.item, static_cast<std::uint64_t>(f)))
-        seen.poses[next++].position_m = marker;
-    mocap.write(seen);
-    truth.write(exact);
+        seen[next++] = marker;
+    mocap.write(f, seen);
+    truth.write(f, pose.joint_in_world_m);
   }
   mocap.finish();
   truth.finish();

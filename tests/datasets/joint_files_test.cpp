@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/markers/joint_files.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "tests/support/scratch.h"
 #include "tests/support/whole_take.h"
 
@@ -39,14 +38,14 @@ JointTrack track_of(std::int64_t frames) {
 }
 
 void expect_read_back(const std::filesystem::path& path, std::int64_t frames, double within_m) {
-  const MocapTake take = read_mocap(path);
+  const WholeTake take = whole_take(path);
   EXPECT_EQ(take.header.length_unit, LengthUnit::millimetre);
   EXPECT_EQ(take.header.export_rate_hz, 25.0);
   ASSERT_EQ(take.header.assets.size(), 2u);
   EXPECT_EQ(take.header.assets[1].name, "HandLeft");
   ASSERT_EQ(std::ssize(take.frames), frames);
   for (std::int64_t i = 0; i < frames; ++i) {
-    const MocapFrame& read = take.frames[static_cast<std::size_t>(i)];
+    const WholeTake::Frame& read = take.frames[static_cast<std::size_t>(i)];
     const JointFrame written = joint_frame(i);
     ASSERT_EQ(read.time, MocapTime{40'000'000 * i});
     ASSERT_EQ(read.index, i + 1);

@@ -23,7 +23,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-MocapTake marker_take(const std::string& text) { return read_mocap(TemporaryFile(text).path()); }
+WholeTake marker_take(const std::string& text) { return whole_take(TemporaryFile(text).path()); }
 std::string marker_refusal(const std::string& text) {
   return message_of([&] { marker_take(text); });
 }
@@ -43,7 +43,7 @@ const std::string kTrcRows =
     "2\t0.010\t1501\t250.5\t-1e2\t\t\t\n"
     "3\t0.020\tnan\tNaN\tNAN\t4\t5\t7\n";
 
-void expect_two_markers(const MocapTake& take) {
+void expect_two_markers(const WholeTake& take) {
   EXPECT_EQ(take.header.export_rate_hz, 100.0);
   EXPECT_EQ(take.header.length_unit, LengthUnit::millimetre);
   EXPECT_EQ(take.header.total_exported_frames, 3);
@@ -61,7 +61,7 @@ void expect_two_markers(const MocapTake& take) {
 }
 
 TEST(TrcReader, GivesMarkersInMetresWithTheirGaps) {
-  const MocapTake take = marker_take(trc_text(kTrcRows));
+  const WholeTake take = marker_take(trc_text(kTrcRows));
   expect_two_markers(take);
   EXPECT_EQ(take.header.format, "TRC");
   EXPECT_EQ(take.header.first_frame, 1);
@@ -69,7 +69,7 @@ TEST(TrcReader, GivesMarkersInMetresWithTheirGaps) {
 }
 
 TEST(TrcReader, GoesByTheUnitOfTheHeader) {
-  const MocapTake take = marker_take(trc_text("1\t0\t1.5\t2\t3\t4\t5\t6\n", "m", "1"));
+  const WholeTake take = marker_take(trc_text("1\t0\t1.5\t2\t3\t4\t5\t6\n", "m", "1"));
   EXPECT_EQ(take.frames.at(0).poses[0].position_m, Eigen::Vector3d(1.5, 2.0, 3.0));
   EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "parsec")), AllOf(HasSubstr(":3"), HasSubstr("\"Units\"")));
 }
@@ -81,7 +81,7 @@ TEST(TrcReader, RefusesMillimetresThatTheHeaderCallsMetres) {
 
 TEST(MarkerReaders, TakeRowsThatEndWithATabAndALastOneWithoutALineEnd) {
   std::string rows = "1\t0\t1\t2\t3\t4\t5\t6\t\r\n2\t0.01\t1\t2\t3\t4\t5\t6.5";
-  const MocapTake take = marker_take(trc_text(rows, "mm", "2"));
+  const WholeTake take = marker_take(trc_text(rows, "mm", "2"));
   ASSERT_EQ(take.frames.size(), 2u);
   EXPECT_DOUBLE_EQ(take.frames[1].poses[1].position_m.z(), 0.0065);
   EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
@@ -111,7 +111,7 @@ TEST(TrcReader, RefusesHeadersThatContradictThemselves) {
 }
 
 TEST(TrcReader, TheRowOfNamesDecides) {
-  const MocapTake three = marker_take(
+  const WholeTake three = marker_take(
       trc_text("1\t0\t1\t2\t3\t4\t5\t6\t7\t8\t9\n", "mm", "1", "Frame#\tTime\ta\t\t\tb\t\t\tc\n"));
   EXPECT_EQ(three.header.assets.size(), 3u);
   EXPECT_DOUBLE_EQ(three.frames.at(0).poses[2].position_m.z(), 0.009);
@@ -151,21 +151,21 @@ std::string made_rows(std::size_t count, const std::function<std::pair<int, doub
 }
 
 TEST(TrcReader, TimesInTheFileWinOverARateThatContradictsThem) {
-  const MocapTake wrong = marker_take(made_rows(40, [](int i) { return std::pair{i + 1, 0.02 * i}; }));
+  const WholeTake wrong = marker_take(made_rows(40, [](int i) { return std::pair{i + 1, 0.02 * i}; }));
   EXPECT_EQ((wrong.frames[3].time - wrong.frames[0].time).ns, 60'000'000);
   EXPECT_EQ(wrong.header.taken_as,
             "its rows are 0.02 s apart, 50 Hz, and its header states 100 Hz: the times count");
   // every second frame under its old number, and the rate of what is left
-  const MocapTake halved = marker_take(made_rows(40, [](int i) { return std::pair{2 * i + 1, 0.01 * i}; }));
+  const WholeTake halved = marker_take(made_rows(40, [](int i) { return std::pair{2 * i + 1, 0.01 * i}; }));
   EXPECT_EQ((halved.frames[3].time - halved.frames[0].time).ns, 30'000'000);
   std::string text = made_rows(40, [](int i) { return std::pair{i + 1, 0.04 * i}; });
   text.replace(text.find("\n100\t"), 5, "\n0\t");
-  const MocapTake unstated = marker_take(text);
+  const WholeTake unstated = marker_take(text);
   EXPECT_EQ((unstated.frames[3].time - unstated.frames[0].time).ns, 120'000'000);
   EXPECT_THAT(unstated.header.taken_as, HasSubstr("25 Hz, and its header states no rate"));
-  const MocapTake right = marker_take(made_rows(40, [](int i) { return std::pair{i + 7, 0.01 * i}; }));
+  const WholeTake right = marker_take(made_rows(40, [](int i) { return std::pair{i + 7, 0.01 * i}; }));
   EXPECT_EQ(right.header.taken_as, "");
-  const MocapTake rounded = marker_take(made_rows(300, [](int i) {
+  const WholeTake rounded = marker_take(made_rows(300, [](int i) {
     return std::pair{i + 1, 0.001 * std::floor(10.0 * i)};
   }));
   EXPECT_EQ(rounded.header.taken_as, "");
@@ -187,11 +187,11 @@ TEST(TrcReader, RefusesRowsThatAreShuffledAndCountsThoseThatRepeat) {
                                          return std::pair{i * 7 % 60 + 1, 0.01 * (i * 7 % 60)};
                                        })),
               HasSubstr("of 60 rows stand behind rows of later frames; sort the rows by frame"));
-  const MocapTake twice = marker_take(made_rows(60, [](int i) {
+  const WholeTake twice = marker_take(made_rows(60, [](int i) {
     return std::pair{i / 2 + 1, 0.01 * (i / 2)};
   }));
   EXPECT_EQ(twice.anomalies.repeated_frames, 30);
-  const MocapTake joined = marker_take(made_rows(60, [](int i) {
+  const WholeTake joined = marker_take(made_rows(60, [](int i) {
     return std::pair{i % 30 + 1, 0.01 * (i % 30)};
   }));
   EXPECT_EQ(joined.anomalies.repeated_frames, 30);
@@ -228,9 +228,8 @@ TEST(MarkerReaders, AC3dIsNamedWithTheConverter) {
   const ScratchFolder folder;
   const std::string file = folder / "walk.c3d";
   write_file(file, std::string{2, 0x50}.append(510, '\0'));
-  EXPECT_EQ(
-      message_of([&] { MocapReader reader(file); }),
-      file + ": is C3D; python3 -m trilat.convert c3d " + file + " -o " + std::string(folder / "walk.csv"));
+  EXPECT_EQ(message_of([&] { read_mocap(file); }), file + ": is C3D; python3 -m trilat.convert c3d " + file +
+                                                       " -o " + std::string(folder / "walk.csv"));
 }
 
 TEST(MarkerReaders, TheLineThatConvertsCanBePastedWhateverThePath) {
@@ -245,7 +244,7 @@ TEST(MarkerReaders, TheLineThatConvertsCanBePastedWhateverThePath) {
   for (const auto& one : cases) {
     write_file(folder / one.name, std::string(one.text).append(510, '\0'));
     const std::string at = folder.path().string();
-    EXPECT_THAT(message_of([&] { MocapReader reader(folder / one.name); }),
+    EXPECT_THAT(message_of([&] { read_mocap(folder / one.name); }),
                 HasSubstr("python3 -m trilat.convert" + fmt::format(fmt::runtime(one.line), at, at)));
   }
 }
@@ -272,16 +271,16 @@ TEST_F(MarkerRealFiles, OddFilesAreReadAsTheyAre) {
   for (const Odd& odd :
        {Odd{"exampleFormat.trc", 3, 5, -0.0517, 2}, Odd{"dataWithEformat.trc", 14, 5, -0.164, 0},
         Odd{"dataWithBlanksForMissingMarkers.trc", 40, 464, 1.77061169, 15'005}}) {
-    const MocapTake take = read_mocap(kMarkerFolder / odd.name);
+    const WholeTake take = whole_take(kMarkerFolder / odd.name);
     EXPECT_EQ(take.header.assets.size(), odd.markers) << odd.name;
     ASSERT_EQ(take.frames.size(), odd.frames) << odd.name;
     EXPECT_NEAR(take.frames.back().poses.back().position_m.x(), odd.last_x_m, 1e-9) << odd.name;
     std::int64_t missing = 0;
-    for (const MocapFrame& frame : take.frames)
-      for (const MocapPose& pose : frame.poses) missing += !pose.has_position();
+    for (const WholeTake::Frame& frame : take.frames)
+      for (const WholeTake::Pose& pose : frame.poses) missing += !pose.has_position();
     EXPECT_EQ(missing, odd.missing) << odd.name;
   }
-  const MocapTake any_case = read_mocap(kMarkerFolder / "dataWithNaNsOfDifferentCases.trc");
+  const WholeTake any_case = whole_take(kMarkerFolder / "dataWithNaNsOfDifferentCases.trc");
   EXPECT_EQ(any_case.frames.size(), 5u);
   EXPECT_EQ(any_case.anomalies.not_finite_cells, 15);
 }

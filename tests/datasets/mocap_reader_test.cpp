@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/mocap_reader.h"
-
 #include <cmath>
 #include <string>
 #include <vector>
@@ -8,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/mocap_text.h"
+#include "datasets/mocap/read_mocap.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/whole_take.h"
 
@@ -49,7 +47,7 @@ const std::string kMarkerHeadings =
     ",Type,Marker,Marker,Marker\n,Name,a,a,a\n,ID,\"1\",\"1\",\"1\"\n,,Position,Position,Position\n"
     "Frame,Time (Seconds),X,Y,Z\n";
 
-MocapTake read(const std::string& text) { return read_mocap(TemporaryFile(text).path()); }
+WholeTake read(const std::string& text) { return whole_take(TemporaryFile(text).path()); }
 
 struct Refusal {
   std::string place;
@@ -59,7 +57,7 @@ struct Refusal {
 Refusal csv_refusal(const std::string& text) {
   const TemporaryFile file(text);
   try {
-    read_mocap(file.path());
+    whole_take(file.path());
   } catch (const InputError& error) {
     const std::string& place = error.place();
     const std::size_t size = file.path().string().size();
@@ -70,7 +68,7 @@ Refusal csv_refusal(const std::string& text) {
   return {"", "was read"};
 }
 
-void expect_wand(const MocapTake& take) {
+void expect_wand(const WholeTake& take) {
   ASSERT_EQ(take.header.assets.size(), 2u);
   EXPECT_EQ(key_of(take.header, 0), "rigid_body:Wand");
   EXPECT_EQ(key_of(take.header, 1), "marker:Wand");
@@ -86,7 +84,7 @@ void expect_wand(const MocapTake& take) {
 
 TEST(MocapReader, ReadsEveryVersionWithLabelledRows) {
   for (const char* version : {"1.22", "1.23", "1.24", "1.25"}) {
-    const MocapTake take = read(keys(version) + "\n" + kHeadings + kRows);
+    const WholeTake take = read(keys(version) + "\n" + kHeadings + kRows);
     expect_wand(take);
     EXPECT_EQ(take.header.format, std::string("Motive CSV ") + version);
   }
@@ -119,16 +117,15 @@ TEST(MocapReader, ReadsVersionsWhoseRowsHaveNoLabels) {
 }
 
 TEST(MocapReader, FindsTheColumnsBehindATimeCode) {
-  const MocapTake take = read(keys("1.24") +
+  const WholeTake take = read(keys("1.24") +
                               "\n,Type,,Marker,Marker,Marker\n,Name,,a,a,a\n,ID,,\"1\",\"1\",\"1\"\n,,,"
                               "Position,Position,Position\nFrame,Time (Seconds),TimeCode,X,Y,Z\n"
                               "7,0.07,15:26:46:12.02,1,2,3\n");
   EXPECT_EQ(take.frames.at(0).poses.at(0).position_m, Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(take.frames[0].printed_time_s, 0.07);
 }
 
 TEST(MocapReader, KeepsTheParentsOfBones) {
-  const MocapTake take =
+  const WholeTake take =
       read(keys("1.25") +
            "\n,Type,Bone,Bone,Bone\n,Name,P:Head,P:Head,P:Head\n,ID,1,1,1\n,Parent,P:Neck,P:Neck,P:Neck\n,,"
            "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
@@ -142,7 +139,7 @@ TEST(MocapReader, ReadsWhatASpreadsheetHasSaved) {
   text += ",,,,,,,,,,,,,,,,\n" + kHeadings + kRows + ",,,,,,\n";
   std::string crlf;
   for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
-  const MocapTake take = read(crlf);
+  const WholeTake take = read(crlf);
   expect_wand(take);
   EXPECT_EQ(take.header.coordinate_space, "Global");
   EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
@@ -160,7 +157,7 @@ TEST(MocapReader, ConvertsEveryUnitToMetres) {
   const std::vector<std::pair<std::string, double>> units{
       {"Meters", 1.0}, {"Centimeters", 0.01}, {"Millimeters", 0.001}, {"Inches", 0.0254}, {"Feet", 0.3048}};
   for (const auto& [unit, metres] : units) {
-    const MocapTake take = read(keys("1.23", unit) + "\n" + kMarkerHeadings + "0,0,10,20,-5\n");
+    const WholeTake take = read(keys("1.23", unit) + "\n" + kMarkerHeadings + "0,0,10,20,-5\n");
     EXPECT_TRUE(
         take.frames.at(0).poses.at(0).position_m.isApprox(Eigen::Vector3d(10, 20, -5) * metres, 1e-15))
         << unit;
@@ -170,7 +167,7 @@ TEST(MocapReader, ConvertsEveryUnitToMetres) {
 TEST(MocapReader, MakesTimeFromTheFrameIndexNotFromRoundedDecimals) {
   std::string head = keys("1.23");
   head.replace(head.find("Export Frame Rate,100.000000"), 28, "Export Frame Rate,360.000000");
-  const MocapTake take =
+  const WholeTake take =
       read(head + "\n" + kMarkerHeadings + "0,0.000,1,2,3\n1,0.003,1,2,3\n2,0.006,1,2,3\n");
   EXPECT_EQ(take.frames.at(1).time.ns, 2'777'778);
   EXPECT_EQ(take.frames.at(2).time.ns, 5'555'556);
@@ -186,7 +183,7 @@ TEST(MocapReader, FrameTimesAreExactAfterADay) {
 }
 
 TEST(MocapReader, TimeIsZeroAtTheFirstExportedFrameAndGapsStayGaps) {
-  const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
+  const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "72210,722.1,1,2,3\n72211,722.11,1,2,3\n"
                               "72300,723,1,2,3\n");
   EXPECT_EQ(take.header.first_frame, 72210);
@@ -198,24 +195,32 @@ TEST(MocapReader, TimeIsZeroAtTheFirstExportedFrameAndGapsStayGaps) {
 }
 
 TEST(MocapReader, CountsPrintedTimesThatDoNotFitTheRate) {
-  const MocapTake take =
+  const WholeTake take =
       read(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n1,0.02,1,2,3\n2,0.04,1,2,3\n");
   EXPECT_EQ(take.frames.at(2).time.ns, 20'000'000);
   EXPECT_EQ(take.anomalies.printed_time_differs, 1);
+}
+
+// Of times that are frame / 100 Hz but for one that is 0.4 ms late.
+TEST(MocapReader, TellsTheLargestErrorOfThePrintedTimes) {
+  const WholeTake take = read(keys("1.23") + "\n" + kHeadings + "10,0.1,,,,,,,,,,,\n15,0.15,,,,,,,,,,,\n" +
+                              "16,0.1604,,,,,,,,,,,\n20,0.2,,,,,,,,,,,\n");
+  EXPECT_NEAR(take.anomalies.largest_time_error_s, 0.0004, 1e-12);
+  EXPECT_TRUE(std::isnan(read(keys("1.23") + "\n" + kHeadings).anomalies.largest_time_error_s));
 }
 
 TEST(MocapReader, UsesPrintedTimesOnlyWhenNoRateIsStated) {
   std::string head = keys("1.23");
   head.erase(head.find("Capture Frame Rate"),
              head.find("Capture Start Time") - head.find("Capture Frame Rate"));
-  const MocapTake take = read(head + "\n" + kMarkerHeadings + "5,1.5,1,2,3\n6,1.75,1,2,3\n");
+  const WholeTake take = read(head + "\n" + kMarkerHeadings + "5,1.5,1,2,3\n6,1.75,1,2,3\n");
   EXPECT_TRUE(std::isnan(take.header.export_rate_hz));
   EXPECT_EQ(take.frames.at(1).time.ns, 250'000'000);
   EXPECT_EQ(csv_refusal(head + "\n" + kMarkerHeadings + "5,,1,2,3\n").place, "F:8");
 }
 
 TEST(MocapReader, ReadsAnExportWithoutAnyAsset) {
-  const MocapTake take = read(keys("1.23") +
+  const WholeTake take = read(keys("1.23") +
                               "\n,Type\n,Name\n,ID\n,\nFrame,Time (Seconds)\n"
                               "0,0.000000\n1,0.010000\n");
   EXPECT_TRUE(take.header.assets.empty());
@@ -227,7 +232,7 @@ TEST(MocapReader, ReadsAHeaderWithoutRows) {
 }
 
 TEST(MocapReader, GivesUnnamedColumnsAName) {
-  const MocapTake take = read(keys("1.23") +
+  const WholeTake take = read(keys("1.23") +
                               "\n,Type,Marker,Marker,Marker\n,Name,,,\n,ID,,,\n,,Position,Position,"
                               "Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
   EXPECT_EQ(key_of(take.header, 0), "marker:column 3");
@@ -237,7 +242,7 @@ TEST(MocapReader, KeepsTwoAssetsOfOneTypeAndNameApart) {
   const std::string text = keys("1.23") + "\n,Type" + repeat(",Marker", 9) + "\n,Name" + repeat(",a", 9) +
                            "\n,ID" + repeat(",1", 3) + repeat(",2", 6) + "\n," + repeat(",Position", 9) +
                            "\nFrame,Time (Seconds)" + repeat(",X,Y,Z", 3) + "\n0,0,1,1,1,2,2,2,3,3,3\n";
-  const MocapTake take = read(text);
+  const WholeTake take = read(text);
   ASSERT_EQ(take.header.assets.size(), 3u);
   EXPECT_EQ(take.frames.at(0).poses[2].position_m.x(), 3.0);
   EXPECT_EQ(find_asset(take.header, "a#1", "map"), 0u);
@@ -245,7 +250,7 @@ TEST(MocapReader, KeepsTwoAssetsOfOneTypeAndNameApart) {
 }
 
 TEST(MocapReader, TreatsEverySpellingOfNoNumberAsMissing) {
-  const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
+  const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "0,0,NAN,nan,NaN\n1,0.01,-1.#IND0000,#IND,1.#QNAN\n"
                               "2,0.02,inf,-Infinity,1.#INF\n3,0.03, 1 ,\"2\",+3e0\n");
   for (int i = 0; i < 3; ++i)
@@ -255,7 +260,7 @@ TEST(MocapReader, TreatsEverySpellingOfNoNumberAsMissing) {
 }
 
 TEST(MocapReader, DropsHalfAPositionAndCountsIt) {
-  const MocapTake take =
+  const WholeTake take =
       read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,,1,1,2,3,,4,,6\n1,0.01,0,0,0,2,1,2,3,,4,5,6\n");
   EXPECT_TRUE(take.frames.at(0).poses[0].has_position());
   EXPECT_FALSE(take.frames[0].poses[1].has_position());
@@ -263,7 +268,7 @@ TEST(MocapReader, DropsHalfAPositionAndCountsIt) {
 }
 
 TEST(MocapReader, RotationsAreNotReadAndAssetsWithNothingElseHaveNoPosition) {
-  const MocapTake take =
+  const WholeTake take =
       read(keys("1.23") + "\n,Type" + repeat(",Bone", 3) + "\n,Name" + repeat(",b", 3) + "\n,ID" +
            repeat(",1", 3) + "\n,,Rotation,Rotation,Rotation\nFrame,Time (Seconds),X,Y,Z\n0,0,a,b,c\n");
   ASSERT_EQ(take.header.assets.size(), 1u);
@@ -279,7 +284,7 @@ TEST(MocapReader, RefusesTheRowsOfArenaWithTheLineThatConvertsThem) {
 }
 
 TEST(MocapReader, LivesWithCutAndOverlongRows) {
-  const MocapTake take =
+  const WholeTake take =
       read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,2,3\n1,0.01,0,0,0,1,1,2,3,,4,5,6,7\n2,0.02\n\n");
   ASSERT_EQ(take.frames.size(), 3u);
   EXPECT_EQ(take.frames[0].poses[0].position_m, Eigen::Vector3d(1, 2, 3));
@@ -295,7 +300,7 @@ TEST(MocapReader, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
   for (const std::string key : {"Capture Frame Rate", "Export Frame Rate"})
     if (const std::size_t at = head.find(key); at != std::string::npos)
       head.erase(at, head.find(',', head.find(',', at) + 1) + 1 - at);
-  const MocapTake take =
+  const WholeTake take =
       read(head + "\n" + kMarkerHeadings + "0,0,1,2,3\n1,0.01,1,2,4\n2,0.01,9,9,9\n3,0.02,1,2,5\n");
   ASSERT_EQ(take.frames.size(), 3u);
   EXPECT_EQ(take.frames[2].poses[0].position_m.z(), 5.0);
@@ -303,7 +308,7 @@ TEST(MocapReader, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
 }
 
 TEST(MocapReader, DropsRowsWhoseFrameDoesNotAdvance) {
-  const MocapTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
+  const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "3,0,1,2,3\n3,0,9,9,9\n4,0.01,1,2,4\n2,0,9,9,9\n5,0.02,1,2,5\n");
   ASSERT_EQ(take.frames.size(), 3u);
   EXPECT_EQ(take.frames[2].poses[0].position_m.z(), 5.0);
@@ -313,10 +318,10 @@ TEST(MocapReader, DropsRowsWhoseFrameDoesNotAdvance) {
 TEST(MocapReader, DoesNotTrustTheRowInWhichTheFileEnds) {
   const std::string whole = keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n";
   EXPECT_FALSE(read(whole).anomalies.truncated_last_row);
-  const MocapTake cut = read(whole + "1,0.01,1,2");
+  const WholeTake cut = read(whole + "1,0.01,1,2");
   EXPECT_EQ(cut.frames.size(), 1u);
   EXPECT_TRUE(cut.anomalies.truncated_last_row);
-  const MocapTake cut_in_number = read(whole + "1,0.01,1,2,-");
+  const WholeTake cut_in_number = read(whole + "1,0.01,1,2,-");
   ASSERT_EQ(cut_in_number.frames.size(), 2u);
   EXPECT_FALSE(cut_in_number.frames[1].poses[0].has_position());
   EXPECT_TRUE(cut_in_number.anomalies.truncated_last_row);
@@ -326,14 +331,10 @@ TEST(MocapReader, DoesNotTrustTheRowInWhichTheFileEnds) {
 
 TEST(MocapReader, ReadsOnlyWhatIsWanted) {
   const TemporaryFile file(keys("1.23") + "\n" + kHeadings + "0,0,x,x,x,x,x,x,x,x,4,5,6\n");
-  MocapReader reader(file.path());
-  reader.read_only({1});
-  MocapFrame frame;
-  ASSERT_TRUE(reader.next(frame));
-  ASSERT_EQ(frame.poses.size(), 2u);
-  EXPECT_FALSE(frame.poses[0].has_position());
-  EXPECT_EQ(frame.poses[1].position_m, Eigen::Vector3d(4, 5, 6));
-  EXPECT_FALSE(reader.next(frame));
+  const MocapTake take = read_mocap(file.path(), {.assets = {{1}}});
+  ASSERT_EQ(take.position_m.size(), 2u);
+  EXPECT_TRUE(take.position_m[0].empty());
+  EXPECT_EQ(take.position_m[1], std::vector{Eigen::Vector3d(4, 5, 6)});
 }
 
 TEST(MocapReader, NamesTheLineAndTheAssetOfABadCell) {
@@ -380,7 +381,7 @@ TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
   EXPECT_THAT(csv_refusal("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
   EXPECT_THAT(csv_refusal("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));
   EXPECT_THAT(csv_refusal(keys("1.23") + "\n0,0,1\n").problem, HasSubstr("Frame,Time"));
-  EXPECT_THROW(MocapReader("/nowhere/take.csv"), InputError);
+  EXPECT_THROW(read_mocap("/nowhere/take.csv"), InputError);
 }
 
 TEST(MocapReader, RefusesALineThatNeverEnds) {
@@ -407,7 +408,7 @@ TEST(MocapReader, PlainDecimalsAreReadAsTheLibraryReadsThem) {
   }
 }
 
-void expect_same(const MocapTake& a, const MocapTake& b) {
+void expect_same(const WholeTake& a, const WholeTake& b) {
   ASSERT_EQ(a.frames.size(), b.frames.size());
   for (std::size_t i = 0; i < a.frames.size(); ++i) {
     EXPECT_EQ(a.frames[i].index, b.frames[i].index);
@@ -421,18 +422,14 @@ void expect_same(const MocapTake& a, const MocapTake& b) {
   }
 }
 
-MocapTake read_in_blocks(const std::string& text, std::size_t block_bytes) {
+WholeTake read_in_blocks(const std::string& text, std::size_t block_bytes) {
   const TemporaryFile file(text);
-  MocapReader reader(file.path(), block_bytes);
-  MocapTake take;
-  for (MocapFrame frame; reader.next(frame);) take.frames.push_back(frame);
-  take.header = reader.header();
-  return take;
+  return whole_take(file.path(), {.block_bytes = block_bytes});
 }
 
 TEST(MocapReader, ReadsTheSameInBlocksOfAnySize) {
   for (const std::string& text : {keys("1.23") + "\n" + kHeadings + kRows}) {
-    const MocapTake whole = read(text);
+    const WholeTake whole = read(text);
     for (const std::size_t block_bytes : {1u, 2u, 3u, 7u, 64u, 1000u})
       expect_same(read_in_blocks(text, block_bytes), whole);
   }

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/read_mocap.h"
 #include "tests/support/paths.h"
 #include "tests/support/whole_take.h"
 
@@ -92,21 +92,21 @@ class MocapRealFile : public testing::TestWithParam<RealFile> {
 
 TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
   const RealFile& expected = GetParam();
-  MocapReader reader(kMocapFolder / expected.path);
-  const MocapHeader& header = reader.header();
+  const MocapTake take = read_mocap(kMocapFolder / expected.path);
+  const MocapHeader& header = take.header;
   EXPECT_EQ(header.format, expected.format);
   EXPECT_EQ(header.take_name, expected.take_name);
   EXPECT_EQ(header.length_unit, expected.unit);
   EXPECT_EQ(header.first_frame, expected.first_frame);
   EXPECT_EQ(header.total_exported_frames, expected.stated_frames);
 
-  const MocapSummary summary = summarize_mocap(reader);
+  const MocapSummary summary = summarize_mocap(take);
   EXPECT_EQ(summary.frames, expected.frames);
   EXPECT_EQ(summary.rate_hz, expected.rate_hz);
   EXPECT_EQ(summary.index_gaps, expected.index_gaps);
   EXPECT_EQ(summary.skipped_frames, expected.skipped_frames);
   EXPECT_NEAR(summary.duration_s, expected.duration_s, 1e-9);
-  EXPECT_NEAR(summary.largest_time_error_s, expected.largest_time_error_s, 1.5e-9);
+  EXPECT_NEAR(take.anomalies.largest_time_error_s, expected.largest_time_error_s, 1.5e-9);
   std::string samples;
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const AssetSummary& asset = summary.assets.at(i);
@@ -118,7 +118,7 @@ TEST_P(MocapRealFile, HoldsWhatWasCountedByHand) {
 }
 
 TEST_P(MocapRealFile, HoldsNothingOdd) {
-  const MocapAnomalies anomalies = read_mocap(kMocapFolder / GetParam().path).anomalies;
+  const MocapAnomalies anomalies = whole_take(kMocapFolder / GetParam().path).anomalies;
   EXPECT_EQ(anomalies.repeated_frames, 0);
   EXPECT_EQ(anomalies.rows_with_extra_fields, 0);
   EXPECT_EQ(anomalies.not_finite_cells, 0);
@@ -134,19 +134,19 @@ INSTANTIATE_TEST_SUITE_P(Optitrack, MocapRealFile, testing::ValuesIn(real_files(
   return name;
 });
 
-MocapTake real_take(const char* path) { return read_mocap(kMocapFolder / path); }
+WholeTake real_take(const char* path) { return whole_take(kMocapFolder / path); }
 
 TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
   if (!std::filesystem::exists(kMocapFolder))
     GTEST_SKIP() << "the folder " << kMocapFolder.string() << " is not there";
-  const MocapTake body = real_take("parse_optitrack_csv/test.csv");
-  const MocapPose& first = body.frames.at(0).poses.at(0);
+  const WholeTake body = real_take("parse_optitrack_csv/test.csv");
+  const WholeTake::Pose& first = body.frames.at(0).poses.at(0);
   EXPECT_EQ(first.position_m, Eigen::Vector3d(3.717927, 0.045963, -2.209530));
   EXPECT_EQ(
       body.frames[0].poses.at(find_asset(body.header, "marker:ernesto_body:Marker4", "test")).position_m,
       Eigen::Vector3d(3.644273, 0.032218, -2.070455));
 
-  const MocapTake wing = real_take("pathviewr/hist_2020-03-07_Ard_her_20-317L_4jts_7wng_ROM_001.csv");
+  const WholeTake wing = real_take("pathviewr/hist_2020-03-07_Ard_her_20-317L_4jts_7wng_ROM_001.csv");
   EXPECT_TRUE(wing.frames.at(0).poses.at(10).position_m.isApprox(
       Eigen::Vector3d(0.019194016, 0.268596893, 0.050769268), 1e-12));
 }
@@ -154,7 +154,7 @@ TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
 TEST(MocapRealFiles, LongestGapsAreThoseInTheRows) {
   if (!std::filesystem::exists(kMocapFolder))
     GTEST_SKIP() << "the folder " << kMocapFolder.string() << " is not there";
-  MocapReader birds(kMocapFolder / "pathviewr/pathviewr_motive_example_data.csv");
+  const MocapTake birds = read_mocap(kMocapFolder / "pathviewr/pathviewr_motive_example_data.csv");
   // From frame 76552 to 87499, and for the third body, which was lost before, from 72838.
   const MocapSummary summary = summarize_mocap(birds);
   EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 109.47, 1e-9);

@@ -2,6 +2,7 @@
 #include "datasets/mocap/mocap_summary.h"
 
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -10,7 +11,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 #include "tests/datasets/temporary_file.h"
 
 namespace trilat {
@@ -29,81 +30,67 @@ MocapHeader one_body() {
   return header;
 }
 
-MocapPose pose_at(double x_m) {
-  MocapPose pose;
-  pose.position_m = {x_m, 1.0, 2.0};
-  return pose;
+using Positions = std::vector<Eigen::Vector3d>;
+const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(kMissing);
+
+Eigen::Vector3d at(double x_m) { return {x_m, 1.0, 2.0}; }
+
+// One body over the frames of these numbers, at 100 Hz.
+MocapTake take_at(const std::vector<std::int64_t>& frames, Positions position_m) {
+  MocapTake take;
+  take.header = one_body();
+  take.frame = frames;
+  for (const std::int64_t frame : frames) take.time.push_back({(frame - frames.front()) * 10'000'000});
+  take.position_m = {std::move(position_m)};
+  return take;
 }
 
-MocapFrame frame_of(std::int64_t index, const MocapPose& pose) {
-  MocapFrame frame;
-  frame.index = index;
-  frame.time = {index * 10'000'000};
-  frame.printed_time_s = static_cast<double>(index) / kRate_hz;
-  frame.poses = {pose};
-  return frame;
+AssetSummary asset_summary(const Positions& position_m) {
+  std::vector<std::int64_t> frames(position_m.size());
+  std::iota(frames.begin(), frames.end(), std::int64_t{0});
+  return summarize_mocap(take_at(frames, position_m)).assets.at(0);
 }
 
-AssetSummary asset_summary(const std::vector<MocapPose>& poses, std::int64_t step = 1) {
-  MocapSummarizer summarizer(one_body());
-  std::int64_t index = -step;
-  for (const MocapPose& pose : poses) summarizer.add(frame_of(index += step, pose));
-  return summarizer.finish().assets.at(0);
+Positions moving(int count) {
+  Positions position_m;
+  for (int i = 0; i < count; ++i) position_m.push_back(at(1e-6 * i));
+  return position_m;
 }
 
-std::vector<MocapPose> moving(int count, double from_m = 0.0) {
-  std::vector<MocapPose> poses;
-  for (int i = 0; i < count; ++i) poses.push_back(pose_at(from_m + 1e-6 * i));
-  return poses;
+void append(Positions& position_m, int count, const Eigen::Vector3d& position) {
+  position_m.insert(position_m.end(), static_cast<std::size_t>(count), position);
 }
 
-void append(std::vector<MocapPose>& poses, int count, const MocapPose& pose) {
-  poses.insert(poses.end(), static_cast<std::size_t>(count), pose);
-}
-
-TEST(MocapSummary, CountsFramesGapsRateAndTimeError) {
-  MocapSummarizer summarizer(one_body());
-  for (const std::int64_t index : {10, 11, 15, 16, 20}) {
-    MocapFrame frame = frame_of(index, pose_at(1e-6 * static_cast<double>(index)));
-    frame.time = {(index - 10) * 10'000'000};
-    if (index == 16) frame.printed_time_s += 0.0004;
-    summarizer.add(frame);
-  }
-  const MocapSummary summary = summarizer.finish();
+TEST(MocapSummary, CountsFramesGapsAndRate) {
+  const MocapSummary summary = summarize_mocap(take_at({10, 11, 15, 16, 20}, moving(5)));
   EXPECT_EQ(summary.frames, 5);
   EXPECT_EQ(summary.index_gaps, 2);
   EXPECT_EQ(summary.skipped_frames, 6);
   EXPECT_DOUBLE_EQ(summary.duration_s, 0.1);
   EXPECT_EQ(summary.rate_hz, kRate_hz);
-  EXPECT_NEAR(summary.largest_time_error_s, 0.0004, 1e-12);
   EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 0.04, 1e-12);
 }
 
 TEST(MocapSummary, OfNothingIsEmptyNotWrong) {
-  const MocapSummary summary = MocapSummarizer(one_body()).finish();
+  const MocapSummary summary = summarize_mocap(take_at({}, {}));
   EXPECT_EQ(summary.frames, 0);
   EXPECT_EQ(summary.duration_s, 0.0);
-  EXPECT_TRUE(std::isnan(summary.largest_time_error_s));
   EXPECT_EQ(summary.assets.at(0).samples, 0);
 }
 
 TEST(MocapSummary, MeasuresTheRateWhenNoneIsStated) {
-  MocapHeader header = one_body();
-  header.export_rate_hz = kMissing;
-  MocapSummarizer summarizer(header);
-  summarizer.add(frame_of(0, pose_at(0)));
-  EXPECT_TRUE(std::isnan(summarizer.finish().rate_hz));
-  summarizer.add(frame_of(1, pose_at(1e-6)));
-  summarizer.add(frame_of(2, pose_at(2e-6)));
-  EXPECT_NEAR(summarizer.finish().rate_hz, 100.0, 1e-9);
+  MocapTake one = take_at({0}, moving(1)), three = take_at({0, 1, 2}, moving(3));
+  one.header.export_rate_hz = three.header.export_rate_hz = kMissing;
+  EXPECT_TRUE(std::isnan(summarize_mocap(one).rate_hz));
+  EXPECT_NEAR(summarize_mocap(three).rate_hz, 100.0, 1e-9);
 }
 
 TEST(MocapSummary, SeparatesSamplesFromMissing) {
-  std::vector<MocapPose> poses = moving(3);
-  append(poses, 4, MocapPose());
-  poses.push_back(pose_at(1e-5));
-  append(poses, 9, MocapPose());
-  const AssetSummary summary = asset_summary(poses);
+  Positions position_m = moving(3);
+  append(position_m, 4, kNowhere);
+  position_m.push_back(at(1e-5));
+  append(position_m, 9, kNowhere);
+  const AssetSummary summary = asset_summary(position_m);
   EXPECT_EQ(summary.samples, 4);
   EXPECT_EQ(summary.missing, 13);
   EXPECT_DOUBLE_EQ(summary.longest_gap_s, 0.05);  // the missing tail is no gap
@@ -111,8 +98,8 @@ TEST(MocapSummary, SeparatesSamplesFromMissing) {
 
 TEST(MocapSummary, JumpsAreStepsFasterThanTheLimit) {
   // 0.19 m and 0.21 m in 10 ms are 19 and 21 m/s.
-  EXPECT_EQ(asset_summary({pose_at(0), pose_at(0.19), pose_at(0.40), pose_at(0.40)}).jumps, 1);
-  EXPECT_EQ(asset_summary({pose_at(0), MocapPose(), pose_at(0.39)}).jumps, 0);
+  EXPECT_EQ(asset_summary({at(0), at(0.19), at(0.40), at(0.40)}).jumps, 1);
+  EXPECT_EQ(asset_summary({at(0), kNowhere, at(0.39)}).jumps, 0);
 }
 
 // Assets by name, each with its x in millimetres over time at 100 Hz, as Motive writes them in steps of a
@@ -158,16 +145,12 @@ void hold(std::vector<double>& x_mm, std::size_t first, std::size_t end) {
 
 MissingCounts missing_of_first(const std::string& text) {
   const TemporaryFile file(text);
-  MocapReader reader(file.path());
-  std::vector<std::size_t> all;
-  for (std::size_t i = 0; i < reader.header().assets.size(); ++i) all.push_back(i);
-  const MocapPositions positions = read_positions(reader, all);
+  const MocapTake positions = read_positions(file.path());
   const MissingCounts counts = positions.missing.at(0);
   EXPECT_EQ(counts.sum(),
             std::ranges::count_if(positions.position_m[0], [](const auto& p) { return !p.allFinite(); }));
   for (std::size_t i = 1; i < positions.missing.size(); ++i) EXPECT_EQ(positions.missing[i].sum(), 0) << i;
-  MocapReader again(file.path());
-  EXPECT_EQ(summarize_mocap(again).assets.at(0).no_measurement.held, counts.held);
+  EXPECT_EQ(summarize_mocap(read_mocap(file.path())).assets.at(0).no_measurement.held, counts.held);
   return counts;
 }
 
@@ -198,8 +181,7 @@ TEST(Missing, WhoStandsStillWithAllJointsIsNotHeld) {
   hold(one, 100, 200);
   hold(two, 95, 205);
   const TemporaryFile file(take_of({{"a", one}, {"b", two}}));
-  MocapReader reader(file.path());
-  for (const MissingCounts& counts : read_positions(reader, {0, 1}).missing) EXPECT_EQ(counts.held, 0);
+  for (const MissingCounts& counts : read_positions(file.path()).missing) EXPECT_EQ(counts.held, 0);
 }
 
 // In whole millimetres what rests repeats: only a value that it then leaves with a jump was held.
@@ -248,8 +230,7 @@ TEST(Missing, AFarValueThatComesOnceOrChangesIsRefused) {
     std::vector<double> x_mm = swinging_mm(kFrames, 1);
     for (std::size_t k = 0; k < far_mm.size(); ++k) x_mm[10 * k + 5] = far_mm[k];
     const TemporaryFile file(take_of({{"a", x_mm}}));
-    MocapReader reader(file.path());
-    EXPECT_THAT([&] { read_positions(reader, {0}); },
+    EXPECT_THAT([&] { read_positions(file.path()); },
                 ThrowsMessage<InputError>(HasSubstr("is more than 100 m")));
   }
 }
@@ -263,8 +244,7 @@ TEST(Missing, AFarPlaceThatIsReachedIsLeft) {
 
 TEST(Positions, AreReadAsFarAsIsAskedFor) {
   const TemporaryFile file(take_of({{"a", {1, 2, 3, 4, 5}}, {"b", {1, 2, 3, 4, 5}}}));
-  MocapReader reader(file.path());
-  const MocapPositions positions = read_positions(reader, {1}, MocapTime{20'000'000});
+  const MocapTake positions = read_positions(file.path(), {.assets = {{1}}, .until = {20'000'000}});
   EXPECT_EQ(positions.time.size(), 3u);  // one frame in 10 ms
   EXPECT_TRUE(positions.position_m[0].empty());
   EXPECT_EQ(positions.position_m[1].size(), 3u);

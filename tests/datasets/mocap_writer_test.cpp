@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "datasets/mocap/mocap_writer.h"
+
 #include <cmath>
 #include <string>
 
@@ -6,7 +8,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/whole_take.h"
 
@@ -33,19 +34,14 @@ MocapHeader two_assets() {
   return header;
 }
 
-MocapFrame written_frame(std::int64_t index) {
-  MocapFrame frame;
-  frame.index = index;
-  frame.poses.resize(2);
-  frame.poses[0].position_m = {1.2345678, -0.5, 0.0000004};
-  return frame;
-}
+const std::vector<Eigen::Vector3d> kPositions_m{{1.2345678, -0.5, 0.0000004},
+                                                Eigen::Vector3d::Constant(kMissing)};
 
 TEST(MocapWriter, WritesTheLayoutOfMotive) {
   const TemporaryFile file;
   OptitrackCsvWriter writer(file.path(), two_assets());
-  writer.write(written_frame(12));
-  writer.write(written_frame(13));
+  writer.write(12, kPositions_m);
+  writer.write(13, kPositions_m);
   writer.finish();
   EXPECT_EQ(
       read_file(file.path()),
@@ -71,10 +67,10 @@ TEST(MocapWriter, WhatIsWrittenIsReadBackInEveryUnit) {
     MocapHeader header = two_assets();
     header.length_unit = unit;
     OptitrackCsvWriter writer(file.path(), header);
-    writer.write(written_frame(12));
-    writer.write(written_frame(20));
+    writer.write(12, kPositions_m);
+    writer.write(20, kPositions_m);
     writer.finish();
-    const MocapTake take = read_mocap(file.path());
+    const WholeTake take = whole_take(file.path());
     EXPECT_EQ(take.header.format, "Motive CSV 1.25");
     EXPECT_EQ(take.header.take_name, header.take_name);
     EXPECT_EQ(take.header.take_notes, "first second");
@@ -92,7 +88,7 @@ TEST(MocapWriter, WhatIsWrittenIsReadBackInEveryUnit) {
     }
     ASSERT_EQ(take.frames.size(), 2u);
     EXPECT_EQ(take.frames[1].time.ns, 66'666'667);
-    EXPECT_TRUE(take.frames[0].poses[0].position_m.isApprox(written_frame(12).poses[0].position_m, 1e-6));
+    EXPECT_TRUE(take.frames[0].poses[0].position_m.isApprox(kPositions_m[0], 1e-6));
     EXPECT_FALSE(take.frames[0].poses[1].has_position());
     EXPECT_EQ(take.anomalies.printed_time_differs, 0);
   }
@@ -102,7 +98,7 @@ TEST(MocapWriter, HasTheFinalNameOnlyWhenFinished) {
   const TemporaryFile file;
   {
     OptitrackCsvWriter writer(file.path(), two_assets());
-    writer.write(written_frame(0));
+    writer.write(0, kPositions_m);
     EXPECT_FALSE(std::filesystem::exists(file.path()));
     EXPECT_TRUE(std::filesystem::exists(partial_name(file.path())));
   }
@@ -113,7 +109,7 @@ TEST(MocapWriter, HasTheFinalNameOnlyWhenFinished) {
 TEST(MocapWriter, RefusesToFinishWithAnotherNumberOfFramesThanStated) {
   const TemporaryFile file;
   OptitrackCsvWriter writer(file.path(), two_assets());
-  writer.write(written_frame(0));
+  writer.write(0, kPositions_m);
   EXPECT_THROW(writer.finish(), InternalError);
 }
 

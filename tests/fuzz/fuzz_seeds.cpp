@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/base/files.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "datasets/session/event_log.h"
 #include "datasets/session/session_writer.h"
 #include "recorders/link/messages.h"
@@ -59,10 +59,9 @@ void write_motive(const fs::path& path) {
   header.assets = {{AssetType::rigid_body, "Wand", "1F", "", true}, {AssetType::marker, "a", "2A", "", true}};
   OptitrackCsvWriter writer(path, header);
   for (std::int64_t i = 0; i < 3; ++i) {
-    MocapFrame frame{i, {10'000'000 * i}, kMissing, std::vector<MocapPose>(2)};
-    frame.poses[0].position_m = {1.0, 2.0, 3.0};
-    if (i != 1) frame.poses[1].position_m = {0.5, 0.25, 0.125};
-    writer.write(frame);
+    std::vector<Eigen::Vector3d> position_m{{1.0, 2.0, 3.0}, Eigen::Vector3d::Constant(kMissing)};
+    if (i != 1) position_m[1] = {0.5, 0.25, 0.125};
+    writer.write(i, position_m);
   }
   writer.finish();
 }

@@ -6,9 +6,8 @@
 #include <string>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/joint_csv.h"
-#include "datasets/mocap/mocap_reader.h"
 #include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/read_mocap.h"
 #include "datasets/session/event_log.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
@@ -42,19 +41,12 @@ void file(FuzzInput input) {
 
 // ---- what other programs write
 // A motion capture in any of its formats, as it is inspected and as ground truth.
-void inspect_mocap(const fs::path& path) {
-  MocapReader reader(path, 4096);
-  summarize_mocap(reader);
-}
+void inspect_mocap(const fs::path& path) { summarize_mocap(read_mocap(path, {.block_bytes = 4096})); }
 
 void read_some_assets(const fs::path& path) {
-  MocapReader reader(path, 64);
   std::vector<std::size_t> assets;
-  for (std::size_t a = 0; a < reader.header().assets.size(); a += 2) assets.push_back(a);
-  reader.read_only(assets);
-  MocapFrame frame;
-  while (reader.next(frame)) {
-  }
+  for (std::size_t a = 0; a < read_mocap_header(path).assets.size(); a += 2) assets.push_back(a);
+  read_positions(path, {.assets = assets, .block_bytes = 64});
 }
 
 void read_joints(const fs::path& path) {

@@ -81,7 +81,7 @@ TEST(SimulateWand, TheMocapHasARigidBodyInTheBallsCentre) {
   SimulationSpec spec = wand_spec(4);
   spec.mocap.gap_share = 0.0;
   simulate_into(folder / "c", spec);
-  const MocapTake take = read_mocap(folder / "c/wand/mocap.csv");
+  const WholeTake take = whole_take(folder / "c/wand/mocap.csv");
   const std::size_t wand = find_asset(take.header, "rigid_body:wand", "mocap.csv");
   const Json truth = read_json(folder / "c/wand/truth.json");
   for (const Json& position : truth["positions"]) {

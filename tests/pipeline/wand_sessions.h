@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datasets/geometry/rigid_transform.h"
-#include "datasets/mocap/optitrack_csv_writer.h"
+#include "datasets/mocap/mocap_writer.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/synthetic/depth/depth_renderer.h"
 #include "datasets/synthetic/depth/room_scene.h"
@@ -106,15 +106,11 @@ inline void write_wand_export(const std::filesystem::path& path, bool rests) {
   header.assets = {{AssetType::rigid_body, "Wand", "1", "", true}};
   OptitrackCsvWriter writer(path, header);
   for (int f = 0; f < 960; ++f) {
-    MocapFrame frame;
-    frame.index = f;
     const double time_s = 0.01 * f;
     const Eigen::Vector3d place =
         rests ? kPlaces[static_cast<std::size_t>(f / 120)] : Eigen::Vector3d(0.2 * time_s, 1.0, 0.0);
-    MocapPose pose;
-    pose.position_m = place + Eigen::Vector3d::Constant(f % 2 == 0 ? 2e-5 : -2e-5);
-    frame.poses = {pose};
-    writer.write(frame);
+    const Eigen::Vector3d position_m = place + Eigen::Vector3d::Constant(f % 2 == 0 ? 2e-5 : -2e-5);
+    writer.write(f, {&position_m, 1});
   }
   writer.finish();
 }

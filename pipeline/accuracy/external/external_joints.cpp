@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/joint_csv.h"
+#include "datasets/mocap/read_mocap.h"
 #include "pipeline/accuracy/proposals.h"
 
 namespace trilat {
@@ -111,7 +111,7 @@ std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header, cons
 }
 
 // How the person stands in the mocap, where its points are joints: z, y, or nothing where that is not clear.
-std::optional<UpAxis> standing_axis(const MocapPositions& positions, const NamedPoints& points) {
+std::optional<UpAxis> standing_axis(const MocapTake& positions, const NamedPoints& points) {
   StandingAxis standing;
   constexpr std::size_t kMaxCount = 300;  // frames, spread evenly
   const std::size_t step = std::max<std::size_t>(1, positions.time.size() / kMaxCount);
@@ -128,16 +128,16 @@ std::optional<UpAxis> standing_axis(const MocapPositions& positions, const Named
 }  // namespace
 
 MocapHeader read_marker_header(const std::filesystem::path& file) {
-  return is_joint_csv(file) ? read_joint_csv(file).header : MocapReader(file).header();
+  return is_joint_csv(file) ? read_joint_csv(file).header : read_mocap_header(file);
 }
 
-MocapPositions read_markers(const std::filesystem::path& file) {
+MocapTake read_markers(const std::filesystem::path& file) {
   if (is_joint_csv(file)) return read_joint_csv(file);
-  MocapReader reader(file);
+  const MocapHeader header = read_mocap_header(file);
   std::vector<std::size_t> assets;
-  for (std::size_t i = 0; i < reader.header().assets.size(); ++i)
-    if (has_world_position(reader.header(), reader.header().assets[i])) assets.push_back(i);
-  return read_positions(reader, assets);
+  for (std::size_t i = 0; i < header.assets.size(); ++i)
+    if (has_world_position(header, header.assets[i])) assets.push_back(i);
+  return read_positions(file, {.assets = assets});
 }
 
 NamedPoints correspondences(const Take& take) {
@@ -190,7 +190,7 @@ std::vector<std::string> points_left_out(const Take& take, const std::vector<std
 void look_into_external(PlannedTake& planned, const StudySpec& study) {
   const Take& take = planned.take;
   planned.points = correspondences(take);
-  const MocapPositions positions = read_markers(take.mocap);
+  const MocapTake positions = read_markers(take.mocap);
   if (positions.time.empty()) throw InputError(take.mocap.string(), "holds no frames");
   planned.simulated = positions.header.is_simulated();
   planned.start = HostTime{} + duration_from_s(positions.first_s);
@@ -209,7 +209,7 @@ void look_into_external(PlannedTake& planned, const StudySpec& study) {
 }
 
 MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned) {
-  MocapPositions positions = read_markers(planned.take.mocap);
+  MocapTake positions = read_markers(planned.take.mocap);
   auto markers =
       markers_of(positions.header, planned.points, plan.names,
                  (planned.take.mapping.empty() ? planned.take.mocap : planned.take.mapping).string());
@@ -220,7 +220,7 @@ MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned) {
 std::vector<ExternalTrack> read_external(const Plan& plan, const PlannedTake& planned) {
   std::vector<ExternalTrack> all;
   for (const ExternalJoints& joints : planned.take.joints) {
-    MocapPositions positions = read_markers(joints.file);
+    MocapTake positions = read_markers(joints.file);
     const NamedPoints points = points_called(joints, positions.header, plan.names);
     if (points.empty())
       throw InputError(

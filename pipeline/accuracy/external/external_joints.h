@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 #include "evaluators/alignment/interpolation.h"
 #include "pipeline/accuracy/methods/over_time.h"
 #include "pipeline/accuracy/take/marker_track.h"
@@ -17,7 +17,7 @@ namespace trilat {
 // A file of markers of any format that is known: TRC, OptiTrack CSV, or a CSV of joints. InputError for
 // others.
 MocapHeader read_marker_header(const std::filesystem::path& file);
-MocapPositions read_markers(const std::filesystem::path& file);
+MocapTake read_markers(const std::filesystem::path& file);
 
 // The points of a take's truth that it also brings: by its mapping; else by their names, or the joints that
 // the names tell (propose_mapping()), whichever are more. InputError with the names of both where there is

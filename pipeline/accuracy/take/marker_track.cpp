@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-MarkerTrack::MarkerTrack(MocapPositions positions, std::vector<std::vector<std::size_t>> markers_of_point,
+MarkerTrack::MarkerTrack(MocapTake positions, std::vector<std::vector<std::size_t>> markers_of_point,
                          Duration longest_gap, bool has_z_up)
     : positions_(std::move(positions)),
       markers_of_point_(std::move(markers_of_point)),
@@ -72,7 +72,7 @@ double MarkerTrack::repeated_share() const {
 namespace {
 
 // "120 positions (RWrist 116, head 4)"; nothing where there are none.
-std::string counted_by_name(const MocapPositions& positions, std::int64_t MissingCounts::*count) {
+std::string counted_by_name(const MocapTake& positions, std::int64_t MissingCounts::*count) {
   constexpr std::size_t kMaxNames = 8;
   std::int64_t sum = 0;
   std::vector<std::pair<std::int64_t, std::string>> names;

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/time.h"
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 
 namespace trilat {
 
@@ -18,20 +18,20 @@ namespace trilat {
 class MarkerTrack {
  public:
   // `has_z_up`: it is turned so that y is up. A point without markers is never there.
-  MarkerTrack(MocapPositions positions, std::vector<std::vector<std::size_t>> markers_of_point,
+  MarkerTrack(MocapTake positions, std::vector<std::vector<std::size_t>> markers_of_point,
               Duration longest_gap, bool has_z_up);
 
   // The points in the world, metres, NaN where there is none. Time since the first frame.
   void at(MocapTime t, std::span<Eigen::Vector3d> points) const;
   MocapTime end() const;  // the last frame's time
-  const MocapPositions& positions() const { return positions_; }
+  const MocapTake& positions() const { return positions_; }
   // The share of the frames that hold the same positions as the frame before, to the bit.
   double repeated_share() const;
 
  private:
   Eigen::Vector3d marker_at(std::size_t marker, std::size_t after, MocapTime t) const;
 
-  MocapPositions positions_;
+  MocapTake positions_;
   std::vector<std::vector<std::size_t>> markers_of_point_;
   Duration longest_gap_;
   bool has_z_up_;

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 #include "evaluators/alignment/clock_offset.h"
 #include "evaluators/alignment/interpolation.h"
 #include "evaluators/fusion/baselines.h"
@@ -115,7 +115,7 @@ std::string warning_of(const ClockOffset& found, const StudySpec& study) {
 
 MarkerTrack truth_of(const PlannedTake& planned, const std::vector<Joint>& joints, Duration longest_gap,
                      MocapTime until) {
-  MocapReader reader(planned.take.mocap);
+  const MocapHeader header = read_mocap_header(planned.take.mocap);
   const std::string place = planned.take.mapping.string() + " /joints/";
   std::vector<std::string> names;
   std::vector<std::vector<std::size_t>> assets;
@@ -123,14 +123,13 @@ MarkerTrack truth_of(const PlannedTake& planned, const std::vector<Joint>& joint
     names.emplace_back(name_of(joint));
     assets.emplace_back();
     for (const auto& entry : planned.mapping.joints)
-      if (entry.joint == joint)
-        assets.back() = assets_of_joint(reader.header(), entry.assets, place + names.back());
+      if (entry.joint == joint) assets.back() = assets_of_joint(header, entry.assets, place + names.back());
   }
   refuse_same_assets(names, assets, place);
   std::set<std::size_t> wanted;
   for (const std::vector<std::size_t>& of_joint : assets) wanted.insert(of_joint.begin(), of_joint.end());
-  return {read_positions(reader, {wanted.begin(), wanted.end()}, until), std::move(assets), longest_gap,
-          planned.truth_has_z_up};
+  const MocapPart part{.assets = {{wanted.begin(), wanted.end()}}, .until = until};
+  return {read_positions(planned.take.mocap, part), std::move(assets), longest_gap, planned.truth_has_z_up};
 }
 
 SampledTruth sample_truth(const Plan& plan, const PlannedTake& planned, Duration offset, bool densely,

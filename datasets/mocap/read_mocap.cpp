@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/mocap_reader.h"
+#include "datasets/mocap/read_mocap.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,9 +17,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/text_output.h"
 #include "datasets/mocap/column_header.h"
-#include "datasets/mocap/column_rows.h"
-#include "datasets/mocap/csv_cell.h"
-#include "datasets/mocap/line_reader.h"
+#include "datasets/mocap/missing_positions.h"
 
 namespace trilat {
 namespace {
@@ -133,11 +132,35 @@ bool is_arena(std::string_view line) {
                                               shell_word(path.string()), shell_word(output.string())));
 }
 
+// The header of the format that the first line says.
+ColumnHeader read_header(const std::filesystem::path& path, LineReader& lines) {
+  std::string_view line;
+  if (!lines.next(line)) throw InputError(lines.place(), "the file is empty");
+  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  const std::vector<std::string> names = split_csv(line);
+  ColumnHeader columns;
+  if (names.front() == kMotiveStart) {
+    columns = read_motive_header(lines, line);
+  } else if (is_trc(line)) {
+    columns = read_trc_header(lines, line);
+    settle_trc_rate(path, columns.header);
+  } else if (is_wide_table(names)) {
+    refuse_wide_table(names, lines.place());
+  } else if (is_arena(line)) {
+    refuse_with_converter(path, "in the rows of Arena and Tracking Tools", "arena");
+  } else {
+    refuse_file(line, lines.place());
+  }
+  for (std::size_t i = 0; i < columns.header.assets.size(); ++i)
+    columns.header.assets[i].column = std::ranges::min(columns.layout.columns[i]) + 1;
+  return columns;
+}
+
 }  // namespace
 
 bool begins_as_mocap(const std::filesystem::path& path) {
   if (is_c3d(path)) return true;
-  LineReader lines(path, kBlockBytes);
+  LineReader lines(path, MocapPart{}.block_bytes);
   std::string_view line;
   if (!lines.next(line)) return false;
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
@@ -145,65 +168,39 @@ bool begins_as_mocap(const std::filesystem::path& path) {
          (is_arena(line) && !is_wide_table(split_csv(line)));
 }
 
-MocapReader::MocapReader(const std::filesystem::path& path, std::size_t block_bytes) {
+MocapHeader read_mocap_header(const std::filesystem::path& path) {
   if (is_c3d(path)) refuse_with_converter(path, "C3D", "c3d");
-  lines_ = std::make_unique<LineReader>(path, block_bytes);
-  std::string_view line;
-  if (!lines_->next(line)) throw InputError(lines_->place(), "the file is empty");
-  if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-  const auto read_columns = [&](ColumnHeader columns) {
-    header_ = std::move(columns.header);
-    for (std::size_t i = 0; i < header_.assets.size(); ++i)
-      header_.assets[i].column = std::ranges::min(columns.layout.columns[i]) + 1;
-    rows_ = std::make_unique<ColumnRows>(*lines_, header_, std::move(columns.layout));
-  };
-  const std::vector<std::string> names = split_csv(line);
-  if (names.front() == kMotiveStart) {
-    read_columns(read_motive_header(*lines_, line));
-  } else if (is_trc(line)) {
-    ColumnHeader columns = read_trc_header(*lines_, line);
-    settle_trc_rate(path, columns.header);
-    read_columns(std::move(columns));
-  } else if (is_wide_table(names)) {
-    refuse_wide_table(names, lines_->place());
-  } else if (is_arena(line)) {
-    refuse_with_converter(path, "in the rows of Arena and Tracking Tools", "arena");
-  } else {
-    refuse_file(line, lines_->place());
-  }
+  LineReader lines(path, MocapPart{}.block_bytes);
+  return read_header(path, lines).header;
 }
 
-MocapReader::~MocapReader() = default;
-
-void MocapReader::read_only(const std::vector<std::size_t>& assets) {
-  for (const std::size_t asset : assets) TRILAT_CHECK(asset < header_.assets.size(), "the asset exists");
-  rows_->read_only(assets);
-}
-
-bool MocapReader::next(MocapFrame& frame) { return rows_->next(frame, anomalies_); }
-
-MocapPositions read_positions(MocapReader& reader, const std::vector<std::size_t>& assets, MocapTime until) {
-  reader.read_only(assets);
-  MocapPositions result;
-  result.header = reader.header();
-  result.position_m.resize(result.header.assets.size());
-  if (until.ns == std::numeric_limits<std::int64_t>::max()) {
+MocapTake read_mocap(const std::filesystem::path& path, const MocapPart& part) {
+  if (is_c3d(path)) refuse_with_converter(path, "C3D", "c3d");
+  LineReader lines(path, part.block_bytes);
+  ColumnHeader columns = read_header(path, lines);
+  MocapTake take;
+  take.header = std::move(columns.header);
+  std::vector<std::size_t> assets(take.header.assets.size());
+  std::iota(assets.begin(), assets.end(), std::size_t{0});
+  assets = part.assets.value_or(assets);
+  take.position_m.resize(take.header.assets.size());
+  if (part.until == MocapPart{}.until) {
     constexpr std::int64_t kMaxCount = 10'000'000;  // whatever the header says
     const auto frames = static_cast<std::size_t>(
-        std::clamp<std::int64_t>(result.header.total_exported_frames.value_or(0), 0, kMaxCount));
-    result.time.reserve(frames);
-    for (const std::size_t asset : assets) result.position_m[asset].reserve(frames);
+        std::clamp<std::int64_t>(take.header.total_exported_frames.value_or(0), 0, kMaxCount));
+    take.time.reserve(frames);
+    take.frame.reserve(frames);
+    for (const std::size_t asset : assets) take.position_m.at(asset).reserve(frames);
   }
-  MocapFrame frame;
-  while ((result.time.empty() || result.time.back() < until) && reader.next(frame)) {
-    if (result.time.empty() && std::isfinite(frame.printed_time_s)) result.first_s = frame.printed_time_s;
-    result.time.push_back(frame.time);
-    for (const std::size_t asset : assets) result.position_m[asset].push_back(frame.poses[asset].position_m);
-  }
-  if (!result.header.taken_as.empty()) result.taken_as.push_back(result.header.taken_as);
-  result.missing = remove_missing(result.time, result.position_m);
-  result.anomalies = reader.anomalies();
-  return result;
+  read_rows(lines, columns.layout, assets, part.until, take);
+  if (!take.header.taken_as.empty()) take.taken_as.push_back(take.header.taken_as);
+  return take;
+}
+
+MocapTake read_positions(const std::filesystem::path& path, const MocapPart& part) {
+  MocapTake take = read_mocap(path, part);
+  take.missing = remove_missing(take.time, take.position_m);
+  return take;
 }
 
 }  // namespace trilat
