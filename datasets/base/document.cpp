@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-// What takes a document, for whoever gave it to something else.
+// For a refusal: the verb that reads a document of this format.
 std::string taker_of(const std::string& format) {
   constexpr std::pair<std::string_view, const char*> kTakers[] = {
       {"trilat.study", "`trilat run` takes"},

@@ -81,7 +81,7 @@ template <Described T>
 Json schema_of();
 
 // The same as Markdown: a table of keys with values, defaults and meanings; more for a list whose entries
-// have a key that decides which others there are. What is `described` is not described again.
+// have a key that decides which others there are. Branches that are in `described` are referred to, not repeated.
 std::string markdown_of_schema(const Json& schema, const std::string& title,
                                std::set<std::string>& described);
 

@@ -145,7 +145,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : name_(folder.strin
       throw InputError(folder.string(),
                        "is being written by another process; wait for it or take another name");
     }
-    // the one before removes the file when it ends: then this one is nobody's
+    // the previous holder may have removed the file meanwhile: then the lock is on a file without a name
     struct stat mine, there;
     if (::fstat(file_, &mine) == 0 && ::stat(name_.c_str(), &there) == 0 && mine.st_ino == there.st_ino)
       return;

@@ -65,7 +65,7 @@ struct RandomStream {
 };
 
 // Packs small counters into one item number: take, unit (sensor, marker), part (joint, axis), step (frame).
-// Bounds: take < 2^14, unit < 2^10, part < 2^8, step < 2^32; beyond is our bug.
+// Bounds: take < 2^14, unit < 2^10, part < 2^8, step < 2^32; larger values throw InternalError.
 std::uint64_t random_item(std::uint64_t take, std::uint64_t unit, std::uint64_t part, std::uint64_t step);
 
 }  // namespace trilat

@@ -84,14 +84,6 @@ bool decompress_bytes(std::span<const std::byte> data, ChunkCompression compress
   return true;
 }
 
-bool strip_checksum(std::vector<std::byte>& chunk, bool check) {
-  if (chunk.size() < 4) return false;
-  const std::span<const std::byte> data(chunk.data(), chunk.size() - 4);
-  if (check && fletcher32(data) != stored_checksum(chunk)) return false;
-  chunk.resize(data.size());
-  return true;
-}
-
 bool decode_chunk(std::span<const std::byte> chunk, ChunkCompression compression, std::span<std::byte> raw) {
   if (chunk.size() < 4) return false;
   const std::span<const std::byte> data = chunk.first(chunk.size() - 4);

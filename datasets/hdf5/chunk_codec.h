@@ -11,6 +11,8 @@ namespace trilat {
 enum class ChunkCompression { none, blosc, deflate };
 
 inline constexpr int kBloscFilter = 32001;  // the number registered with the HDF Group
+// How many numbers Blosc's filter is told, and which of them is the size of a chunk.
+inline constexpr std::size_t kBloscValues = 7, kBloscChunkBytes = 3;
 inline constexpr int kDeflateFilter = 1;
 inline constexpr int kChunkLevel = 1;  // of either compression
 
@@ -21,9 +23,6 @@ ChunkCompression quickest_compression();
 // call it. Blosc is Zstandard level 1 with bit shuffle; deflate is level 1. `none` only adds the checksum.
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_bytes,
                                     ChunkCompression compression);
-
-// Takes the checksum off the end of a chunk. False when there is none, or it is wrong and `check` asks.
-bool strip_checksum(std::vector<std::byte>& chunk, bool check);
 
 // Decompresses into exactly raw.size() bytes and never more; false when there are not so many, or the stream
 // is damaged.

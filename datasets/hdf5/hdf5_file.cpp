@@ -10,6 +10,7 @@
 
 #include <blosc.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <hdf5.h>
 #include <unistd.h>
 
@@ -90,13 +91,21 @@ hid_t type_of(H5Type type) {
   return -1;
 }
 
-// Chunks are filtered before they are written and unfiltered after they are read, never by the library: it
-// only has to know the filter by its number.
-std::size_t filter_nothing(unsigned, std::size_t, const unsigned*, std::size_t, std::size_t*, void**) {
-  return 0;
+// How the library reads rows that Blosc compressed. It writes none: those go to the file compressed already.
+std::size_t read_blosc(unsigned flags, std::size_t count, const unsigned* values, std::size_t bytes,
+                       std::size_t* buffer_bytes, void** buffer) {
+  if ((flags & H5Z_FLAG_REVERSE) == 0 || count <= kBloscChunkBytes) return 0;
+  const std::size_t raw_bytes = values[kBloscChunkBytes];
+  auto* const raw = static_cast<std::byte*>(H5allocate_memory(raw_bytes, false));
+  if (!raw || !decompress_bytes({static_cast<const std::byte*>(*buffer), bytes}, ChunkCompression::blosc,
+                                {raw, raw_bytes})) {
+    H5free_memory(raw);
+    return 0;
+  }
+  H5free_memory(std::exchange(*buffer, raw));
+  return *buffer_bytes = raw_bytes;
 }
-constexpr H5Z_class2_t kKnownBlosc{H5Z_CLASS_T_VERS, kBloscFilter, 1,       1,
-                                   "blosc",          nullptr,      nullptr, filter_nothing};
+constexpr H5Z_class2_t kBlosc{H5Z_CLASS_T_VERS, kBloscFilter, 1, 1, "blosc", nullptr, nullptr, read_blosc};
 
 // For chunks of `chunk_bytes`, of elements of `element_bytes`.
 bool set_compression(hid_t list, ChunkCompression compression, std::size_t element_bytes,
@@ -104,14 +113,14 @@ bool set_compression(hid_t list, ChunkCompression compression, std::size_t eleme
   if (compression == ChunkCompression::none) return true;
   if (compression == ChunkCompression::deflate) return H5Pset_deflate(list, kChunkLevel) >= 0;
   constexpr unsigned kFilterRevision = 2;
-  const unsigned values[] = {kFilterRevision,
-                             BLOSC_VERSION_FORMAT,
-                             static_cast<unsigned>(element_bytes),
-                             static_cast<unsigned>(chunk_bytes),
-                             kChunkLevel,
-                             BLOSC_BITSHUFFLE,
-                             BLOSC_ZSTD};
-  return H5Pset_filter(list, kBloscFilter, H5Z_FLAG_MANDATORY, std::size(values), values) >= 0;
+  const std::array<unsigned, kBloscValues> values{kFilterRevision,
+                                                  BLOSC_VERSION_FORMAT,
+                                                  static_cast<unsigned>(element_bytes),
+                                                  static_cast<unsigned>(chunk_bytes),
+                                                  kChunkLevel,
+                                                  BLOSC_BITSHUFFLE,
+                                                  BLOSC_ZSTD};
+  return H5Pset_filter(list, kBloscFilter, H5Z_FLAG_MANDATORY, values.size(), values.data()) >= 0;
 }
 
 void prepare_library() {
@@ -123,7 +132,7 @@ void prepare_library() {
     hbool_t safe = false;
     TRILAT_CHECK(H5open() >= 0 && H5is_library_threadsafe(&safe) >= 0 && safe,
                  "the HDF5 library is a thread-safe build");
-    TRILAT_CHECK(H5Zregister(&kKnownBlosc) >= 0, "HDF5 takes the Blosc filter");
+    TRILAT_CHECK(H5Zregister(&kBlosc) >= 0, "HDF5 takes the Blosc filter");
     H5PLset_loading_state(0);  // a file must not make this program load code
     return true;
   }();
@@ -190,8 +199,8 @@ void H5Table::append_raw(const void* data, std::size_t elements, H5Type type) {
   transfer(first, const_cast<void*>(data), elements, type, true);
 }
 
-bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type,
-                        bool write) const {
+bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write,
+                        std::int64_t transfer) const {
   std::vector<hsize_t> start(1 + row_shape_.size(), 0);
   std::vector<hsize_t> count{elements / row_elements_};
   count.insert(count.end(), row_shape_.begin(), row_shape_.end());
@@ -201,8 +210,8 @@ bool H5Table::move_rows(std::uint64_t first_row, void* data, std::size_t element
                                      close_space, place_, "cannot be addressed");
   H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
   const hid_t memory = type_of(type), from = memory_space.id(), to = file_space.id();
-  return (write ? H5Dwrite(id_.id(), memory, from, to, H5P_DEFAULT, data)
-                : H5Dread(id_.id(), memory, from, to, H5P_DEFAULT, data)) >= 0;
+  return (write ? H5Dwrite(id_.id(), memory, from, to, transfer, data)
+                : H5Dread(id_.id(), memory, from, to, transfer, data)) >= 0;
 }
 
 void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type,
@@ -212,11 +221,24 @@ void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements
   prepare_library();
   const std::uint64_t end_row = first_row + elements / row_elements_;
   if (end_row > rows()) throw InputError(place_, "ends before row " + std::to_string(end_row));
-  if (!write && !stored_.filters.empty())
-    return read_filtered(first_row, {static_cast<std::byte*>(data), elements * H5Tget_size(type_of(type))});
-  if (move_rows(first_row, data, elements, type, write)) return;
-  if (write) refuse_output(place_, "cannot be written");
-  refuse(place_, "cannot be read: the stored data are damaged");
+  if (write) {
+    if (!move_rows(first_row, data, elements, type, true, H5P_DEFAULT))
+      refuse_output(place_, "cannot be written");
+    return;
+  }
+  // Rows of a torn last chunk are read by themselves, without its checksum.
+  const std::uint64_t torn_from = torn_end_accepted_ && stored_.chunk_rows > 0
+                                      ? (rows() - 1) / stored_.chunk_rows * stored_.chunk_rows
+                                      : rows();
+  const std::uint64_t sound_end = std::clamp(torn_from, first_row, end_row);
+  const std::size_t sound = (sound_end - first_row) * row_elements_;
+  const H5Handle unchecked = wrap(H5Pcreate(H5P_DATASET_XFER), close_list, place_, "cannot be prepared");
+  H5Pset_edc_check(unchecked.id(), H5Z_DISABLE_EDC);
+  auto* const rest = static_cast<std::byte*>(data) + sound * H5Tget_size(type_of(type));
+  if ((sound > 0 && !move_rows(first_row, data, sound, type, false, H5P_DEFAULT)) ||
+      (elements > sound && !move_rows(sound_end, rest, elements - sound, type, false, unchecked.id())))
+    refuse(place_,
+           fmt::format("cannot be read: the stored data are damaged (rows {} and following)", first_row));
 }
 
 std::string H5Node::place_of(const std::string& name) const {
@@ -346,6 +368,12 @@ H5Table H5Node::table(const std::string& name, H5Type type,
   table.row_shape_ = row_shape;
   for (std::uint64_t extent : row_shape) table.row_elements_ *= extent;
   table.stored_ = check_stored_rows(table.id_.id(), table.place_, row_shape, H5Tget_size(type_of(type)));
+  // The library keeps one decoded chunk: small reads in a row are of the same one.
+  const H5Handle access = wrap(H5Pcreate(H5P_DATASET_ACCESS), close_list, table.place_, "cannot be prepared");
+  H5Pset_chunk_cache(access.id(), 1, table.stored_.chunk_bytes, 1.0);
+  table.id_ = {};
+  table.id_ =
+      wrap(H5Dopen2(id_.id(), name.c_str(), access.id()), close_dataset, table.place_, "is not a dataset");
   return table;
 }
 

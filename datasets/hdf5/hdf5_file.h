@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -64,9 +63,8 @@ struct H5Layout {
 };
 
 // Rows of one shape and type. Shape and storage are checked when a table is opened (check_stored_rows()), so
-// that reads never exceed what the file really holds; filters are undone by this program, not by the library.
-// All errors are InputError with the place `file.h5:/path`. Any number of threads may read a table; while one
-// writes, no other may use it.
+// that reads never exceed what the file really holds. All errors are InputError with the place
+// `file.h5:/path`. Any number of threads may read a table; while one writes, no other may use it.
 class H5Table {
  public:
   std::uint64_t rows() const;
@@ -105,19 +103,9 @@ class H5Table {
   friend class H5Node;
   void append_raw(const void* data, std::size_t elements, H5Type type);
   void transfer(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) const;
-  // False when the library says no.
-  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write) const;
-  // The chunk that was decoded last: small reads in a row are of the same one.
-  struct DecodedChunk {
-    std::mutex mutex;  // over both
-    std::optional<std::uint64_t> first_row;
-    std::vector<std::byte> rows;
-  };
-  void read_filtered(std::uint64_t first_row, std::span<std::byte> rows) const;
-  void decode_chunk_at(std::uint64_t first_row) const;  // under the lock
-  // As it lies in the file, empty when it was never written; bit i of `skipped`: without filter i.
-  std::vector<std::byte> stored_chunk(std::uint64_t first_row, std::uint32_t& skipped) const;
-  [[noreturn]] void refuse_damaged(std::uint64_t first_row) const;
+  // False when the library says no. `transfer`: its properties.
+  bool move_rows(std::uint64_t first_row, void* data, std::size_t elements, H5Type type, bool write,
+                 std::int64_t transfer) const;
   void extend_to(std::uint64_t rows);
 
   H5Handle id_;
@@ -126,7 +114,6 @@ class H5Table {
   std::uint64_t row_elements_ = 1;
   StoredRows stored_;  // of a table that was opened
   bool torn_end_accepted_ = false;
-  std::unique_ptr<DecodedChunk> decoded_ = std::make_unique<DecodedChunk>();
 };
 
 // A group, or the root of a file.

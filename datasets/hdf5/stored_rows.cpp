@@ -2,6 +2,7 @@
 #include "datasets/hdf5/stored_rows.h"
 
 #include <algorithm>
+#include <array>
 
 #include <hdf5.h>
 
@@ -47,13 +48,18 @@ Shape shape_of(std::int64_t dataset, const std::string& place, const std::vector
   throw InputError(place, "claims " + std::to_string(rows) + " rows, more than the file holds");
 }
 
-std::vector<int> filters_of(hid_t list) {
+// Blosc's filter is told how many bytes a chunk holds, and the library believes it.
+std::vector<int> filters_of(hid_t list, std::uint64_t chunk_bytes, const std::string& place) {
   std::vector<int> filters;
   for (int i = 0; i < H5Pget_nfilters(list); ++i) {
     unsigned flags = 0, config = 0;
-    std::size_t values = 0;
+    std::array<unsigned, kBloscValues> values{};
+    std::size_t count = values.size();
     filters.push_back(
-        H5Pget_filter2(list, static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, &config));
+        H5Pget_filter2(list, static_cast<unsigned>(i), &flags, &count, values.data(), 0, nullptr, &config));
+    if (filters.back() == kBloscFilter &&
+        (count <= kBloscChunkBytes || values[kBloscChunkBytes] != chunk_bytes))
+      throw InputError(place, "cannot be read: the stored data are damaged (Blosc is told of other chunks)");
   }
   return filters;
 }
@@ -84,7 +90,8 @@ void check_chunks(std::int64_t dataset, hid_t list, const std::string& place,
   if (shape.row_bytes == 0 || chunk[0] > kMaxChunkBytes / shape.row_bytes)
     throw InputError(place, "has chunks of more than 16 MB, which this format does not have");
   stored.chunk_rows = chunk[0];
-  stored.filters = filters_of(list);
+  stored.chunk_bytes = chunk[0] * shape.row_bytes;
+  stored.filters = filters_of(list, stored.chunk_bytes, place);
   if (!can_be_undone(stored.filters))
     throw InputError(place,
                      "uses filters that are not read; `h5repack -f NONE` makes a copy without filters");
@@ -94,19 +101,10 @@ void check_chunks(std::int64_t dataset, hid_t list, const std::string& place,
   if (shape.rows > most_rows) refuse_claim(place, shape.rows);
   if (H5Dget_num_chunks(dataset, space.id(), &chunks) < 0 || chunks > kMaxChunks)
     throw InputError(place, "cannot be read: the list of its chunks is damaged");
-  const std::uint64_t chunk_bytes = chunk[0] * shape.row_bytes;
-  if (stored.filters.empty() && chunks > file_bytes(dataset) / chunk_bytes) refuse_claim(place, shape.rows);
+  if (stored.filters.empty() && chunks > file_bytes(dataset) / stored.chunk_bytes)
+    refuse_claim(place, shape.rows);
   const std::uint64_t announced_rows = std::max<std::uint64_t>(chunk[0], kAnnouncedBytes / shape.row_bytes);
   if (shape.rows > chunks * chunk[0] + announced_rows) refuse_claim(place, shape.rows);
-}
-
-// HDF5's shuffle: the first bytes of all elements, then the second, …; what is left over stays behind.
-void unshuffle(std::span<const std::byte> from, std::size_t element_bytes, std::span<std::byte> raw) {
-  const std::size_t elements = raw.size() / element_bytes;
-  for (std::size_t byte = 0; byte < element_bytes; ++byte)
-    for (std::size_t e = 0; e < elements; ++e) raw[e * element_bytes + byte] = from[byte * elements + e];
-  std::copy(from.begin() + static_cast<std::ptrdiff_t>(elements * element_bytes), from.end(),
-            raw.begin() + static_cast<std::ptrdiff_t>(elements * element_bytes));
 }
 
 }  // namespace
@@ -117,7 +115,6 @@ StoredRows check_stored_rows(std::int64_t dataset, const std::string& place,
   if (list.id() < 0) throw InputError(place, "does not say how it is stored");
   const Shape shape = shape_of(dataset, place, row_shape, element_bytes);
   StoredRows stored;
-  stored.element_bytes = element_bytes;
   const H5D_layout_t layout = H5Pget_layout(list.id());
   if (layout == H5D_VIRTUAL || H5Pget_external_count(list.id()) != 0)
     throw InputError(place,
@@ -133,31 +130,5 @@ StoredRows check_stored_rows(std::int64_t dataset, const std::string& place,
 }
 
 std::uint64_t most_stored_bytes(std::uint64_t raw_bytes) { return raw_bytes + raw_bytes / 256 + 1024; }
-
-bool decode_rows(std::vector<std::byte> chunk, const StoredRows& stored, std::uint32_t skipped,
-                 bool check_sum, std::span<std::byte> raw) {
-  std::vector<std::byte> whole;
-  for (std::size_t i = stored.filters.size(); i-- > 0;) {
-    if (i < 32 && (skipped >> i & 1) != 0) continue;
-    const int filter = stored.filters[i];
-    if (filter == H5Z_FILTER_FLETCHER32) {
-      if (!strip_checksum(chunk, check_sum)) return false;
-    } else if (filter == H5Z_FILTER_SHUFFLE) {
-      if (chunk.size() != raw.size()) return false;
-      whole.resize(raw.size());
-      unshuffle(chunk, stored.element_bytes, whole);
-      chunk.swap(whole);
-    } else {
-      whole.resize(raw.size());
-      const bool blosc = filter == kBloscFilter;
-      if (!decompress_bytes(chunk, blosc ? ChunkCompression::blosc : ChunkCompression::deflate, whole))
-        return false;
-      chunk.swap(whole);
-    }
-  }
-  if (chunk.size() != raw.size()) return false;
-  std::copy(chunk.begin(), chunk.end(), raw.begin());
-  return true;
-}
 
 }  // namespace trilat

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -12,13 +11,9 @@
 namespace trilat {
 namespace {
 
-constexpr double kJumpSpeed_m_s =
-    20.0;  // a foot of a sprinter is as fast, no body part of a person in a room is
-
-AssetSummary summary_of(const MocapTake& take, const std::vector<Eigen::Vector3d>& position_m,
+AssetSummary summary_of(const std::vector<Eigen::Vector3d>& position_m,
                         const std::vector<Eigen::Vector3d>& middle_m) {
   AssetSummary counts;
-  std::optional<std::size_t> last;
   for (std::size_t f = 0; f < position_m.size(); ++f) {
     if (!position_m[f].allFinite()) {
       ++counts.missing;
@@ -26,13 +21,6 @@ AssetSummary summary_of(const MocapTake& take, const std::vector<Eigen::Vector3d
     }
     ++counts.samples;
     counts.sum_m += position_m[f] - middle_m[f];
-    if (last) {
-      const double since_s = (take.time[f] - take.time[*last]).seconds();
-      if ((position_m[f] - position_m[*last]).norm() > kJumpSpeed_m_s * since_s) ++counts.jumps;
-      const bool is_gap = take.frame[f] - take.frame[*last] > 1;
-      if (is_gap) counts.longest_gap_s = std::max(counts.longest_gap_s, since_s);
-    }
-    last = f;
   }
   return counts;
 }
@@ -85,7 +73,7 @@ MocapSummary summarize_mocap(MocapTake take) {
     summary.rate_hz = static_cast<double>(summary.frames - 1) / summary.duration_s;
   const std::vector<Eigen::Vector3d> middle_m = middles_of(take);
   for (const std::vector<Eigen::Vector3d>& position_m : take.position_m)
-    summary.assets.push_back(summary_of(take, position_m, middle_m));
+    summary.assets.push_back(summary_of(position_m, middle_m));
   const std::vector<MissingCounts> missing = remove_missing(take.time, take.position_m);
   for (std::size_t i = 0; i < missing.size(); ++i) summary.assets[i].no_measurement = missing[i];
   return summary;

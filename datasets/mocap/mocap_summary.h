@@ -15,10 +15,6 @@ struct AssetSummary {
   std::int64_t missing = 0;                         // frames in which it has none
   MissingCounts no_measurement;                     // samples that stand for what was not seen
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();  // of its positions, less the mean of all in the frame
-  std::int64_t jumps = 0;                           // steps from one sample to the next faster than 20 m/s
-  // Longest time between two neighbouring samples with a frame missing between them; what is missing before
-  // the first and after the last sample does not count.
-  double longest_gap_s = 0.0;
 };
 
 struct MocapSummary {

@@ -82,7 +82,7 @@ class FarNumbers {
   std::optional<InputError> first_;
 };
 
-// A frame number or count beyond it is none.
+// Larger frame numbers and counts are refused.
 inline constexpr std::int64_t kHighestFrame = 1'000'000'000;
 // 30 years: no clock of a take shows more.
 inline constexpr double kLatest_s = 1e9;

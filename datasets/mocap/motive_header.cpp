@@ -208,7 +208,7 @@ ColumnLayout read_motive_columns(const std::vector<Cells>& rows, const Cells& ax
     const std::string& name = cell_of(headings.name, column);
     const std::string& id = cell_of(headings.id, column);
     auto [entry, is_new] = known.try_emplace({type, name, id}, header.assets.size());
-    // The same heading over a second set of columns is another asset.
+    // A heading (type, name, ID) that is repeated starts another asset.
     if (!is_new && is_position && layout.columns[entry->second][slot] != kNoColumn) {
       entry->second = header.assets.size();
       is_new = true;

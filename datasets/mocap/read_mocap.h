@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// Whether a file begins as a motion capture of one of the formats below, whatever follows.
+// Whether the first line is that of a format below; the rest of the file is not looked at.
 bool begins_as_mocap(const std::filesystem::path& path);
 
 // The header alone. InputError when the file cannot be opened or is in none of these formats.

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/geometry/depth_camera.h"
 #include "datasets/hdf5/chunk_codec.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/skeleton.h"
 
 namespace trilat {
 

@@ -9,7 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/read_mocap.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 
 namespace trilat {
 namespace {

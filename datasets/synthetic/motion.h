@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "datasets/skeleton/skeleton.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
+#include "datasets/rig/skeleton.h"
 
 namespace trilat {
 

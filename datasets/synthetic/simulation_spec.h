@@ -12,12 +12,12 @@
 
 #include "datasets/base/document.h"
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/calibration.h"
+#include "datasets/rig/campaign.h"
+#include "datasets/rig/depth_camera.h"
 #include "datasets/synthetic/depth/depth_spec.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
-#include "datasets/take/campaign.h"
 
 namespace trilat {
 
@@ -183,6 +183,10 @@ SimulationSpec read_simulation(const std::filesystem::path& path);
 
 // The poses of the rig's sensors, named k1, k2, …; they look at the centre.
 std::vector<SensorPose> rig_poses(const RigSpec& rig, const Eigen::Vector3d& default_centre_m);
+
+// The calibration with every sensor moved and turned by normal errors of these sizes an axis (rotation
+// vectors in world axes); the same for the same seed.
+Calibration perturbed(Calibration calibration, double sigma_m, double sigma_rad, std::uint64_t seed);
 
 // Everything that a simulated campaign assumes of persons, rig, sensors, tracker and mocap, with what each
 // value rests on: what a reader of its results has to know.

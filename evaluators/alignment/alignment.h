@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/words.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {

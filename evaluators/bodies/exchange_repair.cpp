@@ -13,7 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "datasets/base/error.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/bodies/observed_body.h"
 #include "evaluators/solvers/range_problem.h"
 

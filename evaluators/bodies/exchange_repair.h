@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/bodies/observed_body.h"
 
 namespace trilat {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 
 namespace trilat {
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/wand/ball_fit.h"
 
 namespace trilat {

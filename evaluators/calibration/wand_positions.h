@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/time.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/wand/wand_sighting.h"
 
 namespace trilat {

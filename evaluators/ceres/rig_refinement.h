@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/calibration/rig_start.h"
 
 namespace trilat {

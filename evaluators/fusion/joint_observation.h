@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "datasets/geometry/rigid_transform.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/rigid_transform.h"
+#include "datasets/rig/skeleton.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "evaluators/solvers/range_problem.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/results/summary.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/study/study.h"
 

@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
-#include "datasets/calibration/calibration.h"
 #include "datasets/mocap/mocap_writer.h"
 #include "datasets/results/summary.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/methods/method_spec.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/study/watch.h"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/truth_track.h"
 

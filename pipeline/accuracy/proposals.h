@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/mocap/mocap_take.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/study/watch.h"
 
 namespace trilat {

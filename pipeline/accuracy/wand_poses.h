@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/watch.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 
 namespace trilat {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "pipeline/calibration/wand_in_world.h"
 #include "pipeline/calibration/wand_views.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/depth_camera.h"
 #include "datasets/session/session_reader.h"
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/wand/find_wand.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/calibration/calibration.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/calibration.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/calibration_study/place_samples.h"
 
 namespace trilat {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/study/recordings.h"
 #include "pipeline/study/study.h"
 

@@ -7,7 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/text_output.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
 #include "pipeline/accuracy/wand_poses.h"

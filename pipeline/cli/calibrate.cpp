@@ -10,7 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/fuse_session.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/calibration/calibrate_bodies.h"

@@ -32,9 +32,7 @@ Json json_of(const MocapHeader& header, const MocapSummary& s, const MocapAnomal
                       {"missing", summary.missing},
                       {"frozen", summary.no_measurement.held},
                       {"at_origin", summary.no_measurement.at_origin},
-                      {"fill_values", summary.no_measurement.filled},
-                      {"jumps", summary.jumps},
-                      {"longest_gap_s", summary.longest_gap_s}});
+                      {"fill_values", summary.no_measurement.filled}});
   }
   const LikelyUp up = up_of(header, s);
   const auto count_or_null = [](const std::optional<std::int64_t>& n) { return n ? Json(*n) : Json(); };
@@ -68,7 +66,7 @@ void print_anomalies(const MocapAnomalies& a) {
       {a.not_finite_cells, "cells that are not finite, taken as missing"},
       {a.partial_poses, "positions that are not whole, taken as missing"},
       {a.printed_time_differs, "printed times off their frame by more than a period"},
-      {a.truncated_last_row ? 1 : 0, "last row that is cut, left out"}};
+      {a.truncated_last_row ? 1 : 0, "incomplete last row, left out"}};
   for (const auto& [count, what] : counts)
     if (count > 0) fmt::print("odd: {} {}\n", count, what);
   if (a.frames_promised > 0)
@@ -109,13 +107,11 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
   std::size_t width = 4;
   for (const MocapAsset& asset : header.assets) width = std::max(width, asset.name.size());
   width = std::min<std::size_t>(width, 60);
-  fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8} {:>6} {:>13}\n", "type", "name", width, "samples", "missing",
-             "frozen", "jumps", "longest gap s");
+  fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8}\n", "type", "name", width, "samples", "missing", "frozen");
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const AssetSummary& t = s.assets[i];
-    fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8} {:>6} {:>13.3f}\n", name_of(header.assets[i].type),
-               header.assets[i].name, width, t.samples, t.missing, t.no_measurement.held, t.jumps,
-               t.longest_gap_s);
+    fmt::print("{:<18} {:<{}} {:>9} {:>9} {:>8}\n", name_of(header.assets[i].type), header.assets[i].name,
+               width, t.samples, t.missing, t.no_measurement.held);
   }
 }
 

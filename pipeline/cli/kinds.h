@@ -14,7 +14,7 @@
 #include "datasets/base/json.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/study.h"
 

@@ -21,7 +21,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"

@@ -7,9 +7,9 @@
 
 #include "datasets/base/document.h"
 #include "datasets/base/error.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
+#include "datasets/rig/campaign.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "datasets/take/campaign.h"
 #include "pipeline/cli/kinds.h"
 #include "pipeline/cli/verbs.h"
 

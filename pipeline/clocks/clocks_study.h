@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/results/numbers.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/study/recordings.h"
 #include "pipeline/study/study.h"
 

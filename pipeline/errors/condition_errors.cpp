@@ -6,7 +6,7 @@
 #include <set>
 
 #include "datasets/base/error.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 #include "evaluators/alignment/alignment.h"
 
 namespace trilat {

@@ -12,7 +12,7 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "evaluators/solvers/point_estimate.h"
 #include "pipeline/errors/column_alignments.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/rig/campaign.h"
 #include "datasets/synthetic/simulated_sensor.h"
-#include "datasets/take/campaign.h"
 #include "pipeline/study/watch.h"
 #include "recorders/synthetic_source.h"
 

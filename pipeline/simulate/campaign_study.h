@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "datasets/rig/campaign.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "datasets/take/campaign.h"
 #include "pipeline/study/hash_cache.h"
 #include "pipeline/study/study.h"
 

@@ -9,7 +9,6 @@
 #include "datasets/mocap/mocap_writer.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/motion.h"
-#include "datasets/synthetic/perturbed_calibration.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulation_spec.h"
 #include "recorders/recorder.h"

@@ -10,8 +10,8 @@
 #include "datasets/base/json.h"
 #include "datasets/mocap/mocap_take.h"
 #include "datasets/results/declared_parameters.h"
+#include "datasets/rig/campaign.h"
 #include "datasets/synthetic/simulated_sensor.h"
-#include "datasets/take/campaign.h"
 #include "pipeline/simulate/calibration_recordings.h"
 
 namespace trilat {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "pipeline/stream_fit/point_stream.h"
 
 namespace trilat {

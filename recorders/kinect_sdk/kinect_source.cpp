@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "datasets/base/error.h"
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/depth_camera.h"
 #include "recorders/frame_source.h"
 
 namespace trilat {

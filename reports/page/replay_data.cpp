@@ -10,7 +10,7 @@
 
 #include "datasets/base/json.h"
 #include "datasets/results/item_store.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 #include "reports/figures/figure_look.h"
 #include "reports/page/html.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/geometry/depth_camera.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/rigid_transform.h"
 
 namespace trilat {
 namespace {

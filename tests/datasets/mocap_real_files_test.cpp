@@ -151,15 +151,5 @@ TEST(MocapRealFiles, PosesHaveTheNumbersThatAreWritten) {
       Eigen::Vector3d(0.019194016, 0.268596893, 0.050769268), 1e-12));
 }
 
-TEST(MocapRealFiles, LongestGapsAreThoseInTheRows) {
-  if (!std::filesystem::exists(kMocapFolder))
-    GTEST_SKIP() << "the folder " << kMocapFolder.string() << " is not there";
-  const MocapTake birds = read_mocap(kMocapFolder / "pathviewr/pathviewr_motive_example_data.csv");
-  // From frame 76552 to 87499, and for the third body, which was lost before, from 72838.
-  const MocapSummary summary = summarize_mocap(birds);
-  EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 109.47, 1e-9);
-  EXPECT_NEAR(summary.assets.at(2).longest_gap_s, 146.61, 1e-9);
-}
-
 }  // namespace
 }  // namespace trilat

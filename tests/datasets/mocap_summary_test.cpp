@@ -61,14 +61,13 @@ void append(Positions& position_m, int count, const Eigen::Vector3d& position) {
   position_m.insert(position_m.end(), static_cast<std::size_t>(count), position);
 }
 
-TEST(MocapSummary, CountsFramesGapsAndRate) {
+TEST(MocapSummary, CountsFramesGapsInTheirNumbersAndRate) {
   const MocapSummary summary = summarize_mocap(take_at({10, 11, 15, 16, 20}, moving(5)));
   EXPECT_EQ(summary.frames, 5);
   EXPECT_EQ(summary.index_gaps, 2);
   EXPECT_EQ(summary.skipped_frames, 6);
   EXPECT_DOUBLE_EQ(summary.duration_s, 0.1);
   EXPECT_EQ(summary.rate_hz, kRate_hz);
-  EXPECT_NEAR(summary.assets.at(0).longest_gap_s, 0.04, 1e-12);
 }
 
 TEST(MocapSummary, OfNothingIsEmptyNotWrong) {
@@ -93,13 +92,6 @@ TEST(MocapSummary, SeparatesSamplesFromMissing) {
   const AssetSummary summary = asset_summary(position_m);
   EXPECT_EQ(summary.samples, 4);
   EXPECT_EQ(summary.missing, 13);
-  EXPECT_DOUBLE_EQ(summary.longest_gap_s, 0.05);  // the missing tail is no gap
-}
-
-TEST(MocapSummary, JumpsAreStepsFasterThanTheLimit) {
-  // 0.19 m and 0.21 m in 10 ms are 19 and 21 m/s.
-  EXPECT_EQ(asset_summary({at(0), at(0.19), at(0.40), at(0.40)}).jumps, 1);
-  EXPECT_EQ(asset_summary({at(0), kNowhere, at(0.39)}).jumps, 0);
 }
 
 // Assets by name, each with its x in millimetres over time at 100 Hz, as Motive writes them in steps of a

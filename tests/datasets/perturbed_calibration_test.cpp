@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/synthetic/perturbed_calibration.h"
-
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include "datasets/synthetic/simulation_spec.h"
 
 namespace trilat {
 namespace {

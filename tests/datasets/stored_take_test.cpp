@@ -8,7 +8,7 @@
 #include "datasets/base/files.h"
 #include "datasets/hdf5/hdf5_file.h"
 #include "datasets/results/summary.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

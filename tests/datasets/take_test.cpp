@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "datasets/base/files.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

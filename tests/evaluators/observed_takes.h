@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "datasets/base/philox.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "datasets/synthetic/generated_person.h"
 #include "evaluators/bodies/observed_body.h"
 

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 #include "evaluators/ceres/ceres_trilateration.h"
 #include "evaluators/solvers/geometric.h"
 #include "evaluators/solvers/linear.h"

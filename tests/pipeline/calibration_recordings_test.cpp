@@ -10,7 +10,7 @@
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/depth/depth_rays.h"
+#include "datasets/rig/depth_rays.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "tests/pipeline/campaigns.h"

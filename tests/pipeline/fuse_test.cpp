@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/fuse_session.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "tests/pipeline/campaigns.h"

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
 #include "datasets/results/item_store.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"

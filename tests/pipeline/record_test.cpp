@@ -6,10 +6,10 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/campaign.h"
+#include "datasets/rig/rigid_transform.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/take/campaign.h"
 #include "pipeline/cli/terminal/skeleton_preview.h"
 #include "tests/datasets/made_session.h"
 #include "tests/pipeline/program.h"

@@ -7,11 +7,11 @@
 #include <map>
 #include <vector>
 
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/campaign.h"
+#include "datasets/rig/depth_camera.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/synthetic/generated_person.h"
-#include "datasets/take/campaign.h"
 
 namespace trilat {
 

@@ -5,13 +5,13 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
 #include "datasets/results/figure.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
 #include "datasets/results/timings.h"
-#include "datasets/take/campaign.h"
+#include "datasets/rig/calibration.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/clocks/clocks_summary.h"

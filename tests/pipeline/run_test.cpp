@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/stored_take.h"
+#include "datasets/rig/calibration.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
 #include "pipeline/accuracy/accuracy_study.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/error_cells.h"

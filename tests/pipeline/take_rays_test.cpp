@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "tests/pipeline/campaigns.h"

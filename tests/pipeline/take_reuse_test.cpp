@@ -8,7 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/take_key.h"
 #include "tests/pipeline/campaigns.h"

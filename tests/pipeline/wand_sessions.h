@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/geometry/rigid_transform.h"
 #include "datasets/mocap/mocap_writer.h"
+#include "datasets/rig/rigid_transform.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/synthetic/depth/depth_renderer.h"
 #include "datasets/synthetic/depth/room_scene.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <thread>
 
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/depth_camera.h"
 #include "datasets/session/session_types.h"
 #include "recorders/kinect_sdk/kinect_runtime.h"
 #include "tests/recorders/fake_kinect_tables.h"

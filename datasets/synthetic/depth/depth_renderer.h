@@ -6,9 +6,9 @@
 #include <span>
 
 #include "datasets/base/philox.h"
-#include "datasets/depth/depth_rays.h"
-#include "datasets/geometry/depth_camera.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
+#include "datasets/rig/rigid_transform.h"
 #include "datasets/synthetic/depth/room_scene.h"
 
 namespace trilat {

@@ -31,8 +31,10 @@ void include_silhouette(double side_m, double z_m, double radius_m, double& low,
   high = std::max(high, bound(middle + half));
 }
 
-// A capsule's outline is the hull of its end spheres' while both are in front of the lens; otherwise it may
-// be anywhere.
+}  // namespace
+
+// The outline of a capsule is the hull of its end spheres' while both are in front of the lens; otherwise it
+// may be anywhere.
 RayBox box_of(std::initializer_list<Vector3d> centres_m, double radius_m) {
   RayBox box{kEverywhere, -kEverywhere, kEverywhere, -kEverywhere};
   for (const Vector3d& centre : centres_m) {
@@ -42,6 +44,8 @@ RayBox box_of(std::initializer_list<Vector3d> centres_m, double radius_m) {
   }
   return box;
 }
+
+namespace {
 
 void add_sphere(DepthView& view, const Vector3d& centre_m, double radius_m) {
   if (centre_m.z() + radius_m > 0.0)

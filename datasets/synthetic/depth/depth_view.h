@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "datasets/depth/depth_rays.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/depth_rays.h"
+#include "datasets/rig/rigid_transform.h"
 #include "datasets/synthetic/depth/room_scene.h"
 
 namespace trilat {
@@ -42,6 +42,9 @@ struct DepthView {
   std::vector<ViewSphere> spheres;
   std::vector<ViewCapsule> capsules;
 };
+
+// Rays that can meet balls about these centres, or what lies between two of them; in the sensor's frame.
+RayBox box_of(std::initializer_list<Eigen::Vector3d> centres_m, double radius_m);
 
 // Leaves out what cannot be seen: planes from behind, things wholly behind the lens. A capsule without length
 // becomes a sphere.

@@ -66,14 +66,6 @@ double intersect_capsule(const Vector3d& ray, double ray2, const Vector3d& from_
   return intersect_sphere(ray, ray2, height <= 0.0 ? from_m : Vector3d(from_m + axis_m), radius_m);
 }
 
-// Widens a range so that it holds every side / z of a ball in front of the lens.
-void widen(double side_m, double z_m, double radius_m, double& low, double& high) {
-  const double near_m = z_m - radius_m, far_m = z_m + radius_m;
-  const double least = side_m - radius_m, most = side_m + radius_m;
-  low = std::min(low, least / (least < 0.0 ? near_m : far_m));
-  high = std::max(high, most / (most < 0.0 ? far_m : near_m));
-}
-
 }  // namespace
 
 JointVisibility::JointVisibility(const DepthIntrinsics& intrinsics)
@@ -85,21 +77,13 @@ void JointVisibility::add_surface(const Vector3d& from_m, const Vector3d& to_m, 
                                   Joints owners) {
   if (std::max(from_m.z(), to_m.z()) + radius_m <= 0.0) return;  // behind the lens
   const bool ball = (to_m - from_m).norm() < kNoLength_m;
-  Surface s{from_m,    ball ? Vector3d::Zero() : Vector3d(to_m - from_m),
-            0.0,       radius_m,
-            kInfinity, -kInfinity,
-            kInfinity, -kInfinity,
+  Surface s{from_m,
+            ball ? Vector3d::Zero() : Vector3d(to_m - from_m),
+            0.0,
+            radius_m,
+            box_of({from_m, to_m}, radius_m),
             owners};
   s.axis_m2 = s.axis_m.squaredNorm();
-  if (std::min(from_m.z(), to_m.z()) <= radius_m) {
-    s.x_low = s.y_low = -kInfinity;
-    s.x_high = s.y_high = kInfinity;
-  } else {
-    for (const Vector3d& end : {from_m, to_m}) {
-      widen(end.x(), end.z(), radius_m, s.x_low, s.x_high);
-      widen(end.y(), end.z(), radius_m, s.y_low, s.y_high);
-    }
-  }
   surfaces_.push_back(s);
 }
 
@@ -133,7 +117,7 @@ JointVisibility::Nearest JointVisibility::nearest(int column, int row, Joint joi
   const Vector3d ray(x, y, 1.0);
   const double ray2 = ray.squaredNorm();
   for (const Surface& s : surfaces_) {
-    if (!(x > s.x_low && x < s.x_high && y > s.y_low && y < s.y_high)) continue;
+    if (!(x > s.box.x_low && x < s.box.x_high && y > s.box.y_low && y < s.box.y_high)) continue;
     const double depth = intersect_capsule(ray, ray2, s.from_m, s.axis_m, s.axis_m2, s.radius_m);
     if (!(depth > 0.0)) continue;
     found.any_m = std::min(found.any_m, depth);

@@ -5,8 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/geometry/depth_camera.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/rigid_transform.h"
+#include "datasets/synthetic/depth/depth_view.h"
 #include "datasets/synthetic/motion.h"
 
 namespace trilat {
@@ -46,7 +47,7 @@ class JointVisibility {
   struct Surface {
     Eigen::Vector3d from_m, axis_m;
     double axis_m2, radius_m;
-    double x_low, x_high, y_low, y_high;  // no ray (x, y, 1) outside meets it
+    RayBox box;  // no ray outside meets it
     std::bitset<kJointCount> owners;
   };
   Ray ray_of(int column, int row);

@@ -10,7 +10,7 @@
 
 #include "datasets/base/document.h"
 #include "datasets/results/declared_parameters.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 
 namespace trilat {
 

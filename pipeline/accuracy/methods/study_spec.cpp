@@ -4,7 +4,7 @@
 #include <set>
 
 #include "datasets/base/known_names.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 
 namespace trilat {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 #include "evaluators/alignment/interpolation.h"
 #include "evaluators/solvers/point_estimate.h"
 

@@ -10,8 +10,8 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
-#include "datasets/calibration/calibration.h"
 #include "datasets/results/summary.h"
+#include "datasets/rig/calibration.h"
 #include "datasets/session/body_readings.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/external/external_joints.h"

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "datasets/base/time.h"
-#include "datasets/calibration/calibration.h"
-#include "datasets/geometry/rigid_transform.h"
 #include "datasets/results/summary.h"
+#include "datasets/rig/calibration.h"
+#include "datasets/rig/campaign.h"
+#include "datasets/rig/rigid_transform.h"
 #include "datasets/session/clock/session_clock.h"
-#include "datasets/take/campaign.h"
 #include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/study/watch.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 #include "evaluators/fusion/ray_variances.h"
 #include "pipeline/study/parallel.h"
 

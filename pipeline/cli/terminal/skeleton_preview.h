@@ -10,7 +10,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "datasets/calibration/calibration.h"
+#include "datasets/rig/calibration.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {

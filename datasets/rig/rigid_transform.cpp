@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 
 #include <cmath>
 

@@ -12,7 +12,7 @@
 
 #include "datasets/base/document.h"
 #include "datasets/base/files.h"
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 
 namespace trilat {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datasets/base/document.h"
-#include "datasets/geometry/rigid_transform.h"
+#include "datasets/rig/rigid_transform.h"
 
 namespace trilat {
 
@@ -95,7 +95,7 @@ struct Calibration {
 inline constexpr const char* kWithoutTranslation = "two positions, as printed";
 
 // Refuses what cannot be: sensors named twice or in one place (unless kWithoutTranslation), quaternions that
-// are not unit (beyond 1e-3), positions beyond 100 m, covariances that are none.
+// are not unit (beyond 1e-3), positions beyond 100 m, covariances that are not positive semidefinite.
 Calibration read_calibration(const std::filesystem::path& path);
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/depth_camera.h"
 
 #include <cmath>
 

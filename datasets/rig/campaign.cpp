@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/take/campaign.h"
+#include "datasets/rig/campaign.h"
 
 #include <algorithm>
 #include <array>

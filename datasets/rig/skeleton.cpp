@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/skeleton/skeleton.h"
+#include "datasets/rig/skeleton.h"
 
 #include <algorithm>
 

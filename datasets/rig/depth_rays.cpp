@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/depth/depth_rays.h"
+#include "datasets/rig/depth_rays.h"
 
 #include <limits>
 

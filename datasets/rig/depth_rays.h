@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/document.h"
-#include "datasets/geometry/depth_camera.h"
+#include "datasets/rig/depth_camera.h"
 
 namespace trilat {
 
