@@ -113,7 +113,7 @@ void Agents::serve(ByteStream& stream) {
     std::optional<Message> first;
     for (std::byte block[1 << 12]; !first && !ended_; first = reader.next()) {
       reader.add(std::span<const std::byte>(block).first(stream.read_some(block, kPollPeriod)));
-      if (Clock::now() - start > options_.silence_limit) return;
+      if (Clock::now() - start > options_.idle_timeout) return;
     }
     const auto* hello = first ? std::get_if<HelloMessage>(&*first) : nullptr;
     if (!hello) throw BadMessage("does not begin with a hello");
@@ -142,7 +142,7 @@ void Agents::serve(ByteStream& stream) {
 
 void Agents::answer_pings(ByteStream& stream, MessageReader& reader) {
   Clock::time_point heard = Clock::now();
-  for (std::byte block[256]; !ended_ && Clock::now() - heard < options_.silence_limit;) {
+  for (std::byte block[256]; !ended_ && Clock::now() - heard < options_.idle_timeout;) {
     const std::size_t count = stream.read_some(block, kPollPeriod);
     const std::int64_t received_ns = host_now_ns();
     if (count > 0) heard = Clock::now();
@@ -246,7 +246,7 @@ void Agents::receive(ByteStream& stream, MessageReader& reader, const HelloMessa
       reader.add(std::span<const std::byte>(block).first(count));
       if (count > 0) heard = Clock::now();
       // before the recording has begun an agent has nothing to say
-      if (copy && Clock::now() - heard > 12 * options_.silence_limit) throw LinkLost("silent");
+      if (copy && Clock::now() - heard > 12 * options_.idle_timeout) throw LinkLost("silent");
       if (begun_ && !is_welcome) {
         std::uint64_t offset = 0;
         if (hello.log != 0 && hello.recording == options_.recording) {
@@ -387,7 +387,7 @@ void Agents::drain() {
   };
   std::uint64_t before = received();
   for (Clock::time_point progress = Clock::now();
-       !all_done() && Clock::now() - progress < options_.drain_limit;) {
+       !all_done() && Clock::now() - progress < options_.drain_timeout;) {
     std::this_thread::sleep_for(kPollPeriod);
     if (const std::uint64_t now = received(); now != std::exchange(before, now)) progress = Clock::now();
   }

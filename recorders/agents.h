@@ -24,12 +24,12 @@
 namespace trilat {
 
 struct AgentsOptions {
-  std::size_t count = 0;          // the recording begins when so many are there
-  std::filesystem::path session;  // copies of their logs lie beside it
-  std::uint64_t recording = 0;    // id of the recording
-  double silence_s = 1.5;         // without frames for so long, a sensor is reported as silent
-  std::chrono::milliseconds silence_limit{5000};  // without a word, a connection is given up
-  std::chrono::milliseconds drain_limit{
+  std::size_t count = 0;                         // the recording begins when so many are there
+  std::filesystem::path session;                 // copies of their logs lie beside it
+  std::uint64_t recording = 0;                   // id of the recording
+  double silence_s = 1.5;                        // without frames for so long, a sensor is reported as silent
+  std::chrono::milliseconds idle_timeout{5000};  // without a word, a connection is given up
+  std::chrono::milliseconds drain_timeout{
       10000};  // without progress, agents are no longer waited for at the end
 };
 

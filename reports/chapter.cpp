@@ -10,7 +10,7 @@
 #include "datasets/results/paper_evidence.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/summary.h"
-#include "reports/claims/add_printed.h"
+#include "reports/claims/claims.h"
 #include "reports/figures/figures.h"
 
 namespace trilat {

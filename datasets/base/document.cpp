@@ -15,7 +15,7 @@ namespace trilat {
 namespace {
 
 // For a refusal: the verb that reads a document of this format.
-std::string taker_of(const std::string& format) {
+std::string verb_that_reads(const std::string& format) {
   constexpr std::pair<std::string_view, const char*> kTakers[] = {
       {"trilat.study", "`trilat run` takes"},
       {"trilat.simulation", "`trilat simulate` takes"},
@@ -105,6 +105,10 @@ Fields Fields::describer(bool is_list) {
   return f;
 }
 
+void Fields::renamed(const char* key, const std::string& now) const {
+  if (reads() && read_->contains(key)) refuse(key, "is called \"" + now + "\" now");
+}
+
 std::set<std::string> Fields::keys() const {
   std::set<std::string> keys;
   if (reads())
@@ -171,7 +175,7 @@ void Fields::format(const char* name, int version) {
   std::string format = name;
   std::int64_t number = version;
   (*this)("format", format, "version", number);
-  if (format != name) refuse("format", taker_of(format) + "must be \"" + name + '"');
+  if (format != name) refuse("format", verb_that_reads(format) + "must be \"" + name + '"');
   if (number != version)
     refuse("version", fmt::format("must be {}, the version that this program reads", version));
 }

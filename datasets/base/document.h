@@ -81,7 +81,8 @@ template <Described T>
 Json schema_of();
 
 // The same as Markdown: a table of keys with values, defaults and meanings; more for a list whose entries
-// have a key that decides which others there are. Branches that are in `described` are referred to, not repeated.
+// have a key that decides which others there are. Branches that are in `described` are referred to, not
+// repeated.
 std::string markdown_of_schema(const Json& schema, const std::string& title,
                                std::set<std::string>& described);
 
@@ -133,6 +134,7 @@ class Fields {
   // Refuses a key of earlier versions with what to use instead.
   void removed(const char* key, const std::string& instead) const;
   void removed(const char* key, const std::string& word, const std::string& instead) const;
+  void renamed(const char* key, const std::string& now) const;
   // The keys of what is read.
   std::set<std::string> keys() const;
 

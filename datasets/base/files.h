@@ -41,8 +41,8 @@ bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& p
 // Whether the path names a device, a pipe or a socket.
 bool is_special_file(const std::filesystem::path& path);
 
-// Advisory lock (flock) of the process that fills a folder, on `folder`.lock beside it; the kernel releases it
-// when the process ends.
+// Advisory lock (flock) of the process that fills a folder, on `folder`.lock beside it; the kernel releases
+// it when the process ends.
 class FolderLock {
  public:
   // InputError when another process has it; OutputError when there can be none.

@@ -59,7 +59,7 @@ Json parse_json(std::string_view text, const std::string& place) {
 
 Json read_json(const std::filesystem::path& path) { return parse_json(read_file(path), path.string()); }
 
-std::string exact_json_text(const Json& json, int indent) {
+std::string utf8_json_text(const Json& json, int indent) {
   try {
     return json.dump(indent);
   } catch (const Json::type_error&) {
@@ -67,7 +67,7 @@ std::string exact_json_text(const Json& json, int indent) {
       throw InputError(
           json.dump(-1, ' ', false, Json::error_handler_t::replace),
           "is not UTF-8 text; rename the file or folder, or save the file that holds the name as UTF-8");
-    for (const Json& inside : json) exact_json_text(inside, indent);  // names the text
+    for (const Json& inside : json) utf8_json_text(inside, indent);  // names the text
     throw;
   }
 }

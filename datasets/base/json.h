@@ -22,7 +22,7 @@ Json read_json(const std::filesystem::path& path);
 // The document as text. Names from outside need not be UTF-8: bytes that are not become U+FFFD.
 std::string json_text(const Json& json, int indent);
 // The same for what has to name files and assets exactly: InputError with the text in it that is not UTF-8.
-std::string exact_json_text(const Json& json, int indent);
+std::string utf8_json_text(const Json& json, int indent);
 
 // "the number 1.5", "an object": a value as a refusal names it.
 std::string type_of(const Json& value);

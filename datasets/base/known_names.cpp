@@ -44,11 +44,11 @@ std::string sorted_parts(std::string_view word) {
 
 }  // namespace
 
-std::string listed(const std::vector<std::string>& names) {
+std::string join_names(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string first_repeated(const std::vector<std::string>& texts) {
+std::string first_duplicate(const std::vector<std::string>& texts) {
   std::set<std::string> seen;
   for (const std::string& text : texts)
     if (!seen.insert(text).second) return text;
@@ -72,7 +72,7 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 
 std::string known_names(std::string_view word, const std::vector<std::string>& known) {
   const std::string nearest = nearest_name(word, known);
-  return "known are: " + listed(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
+  return "known are: " + join_names(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
 }
 
 }  // namespace trilat

@@ -8,10 +8,10 @@
 namespace trilat {
 
 // "a, b, c".
-std::string listed(const std::vector<std::string>& names);
+std::string join_names(const std::vector<std::string>& names);
 
 // The first text that an earlier one equals; empty when all differ.
-std::string first_repeated(const std::vector<std::string>& texts);
+std::string first_duplicate(const std::vector<std::string>& texts);
 
 // The known name that is nearest to a word that was mistyped, by letters put in, left out, changed or
 // exchanged (Damerau 1964); empty when none is near.

@@ -36,7 +36,7 @@ enum class Purpose : std::uint32_t {
   wand_sample = 17,
   calibration_trial = 18,
   tracker_bias = 19,
-  tracker_wander = 20,
+  tracker_drift = 20,
   tracker_jitter = 21,
   tracker_jump = 22,
   tracker_hidden = 23,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 
 namespace trilat {
 
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // a number that is not known
 inline constexpr double kMetresPerMillimetre = 1e-3;
 inline constexpr double kMetresPerCentimetre = 1e-2;
 inline constexpr double kCentimetresPerMetre = 100.0;

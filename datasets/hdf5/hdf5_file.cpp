@@ -227,7 +227,7 @@ void H5Table::transfer(std::uint64_t first_row, void* data, std::size_t elements
     return;
   }
   // Rows of a torn last chunk are read by themselves, without its checksum.
-  const std::uint64_t torn_from = torn_end_accepted_ && stored_.chunk_rows > 0
+  const std::uint64_t torn_from = last_checksum_ignored_ && stored_.chunk_rows > 0
                                       ? (rows() - 1) / stored_.chunk_rows * stored_.chunk_rows
                                       : rows();
   const std::uint64_t sound_end = std::clamp(torn_from, first_row, end_row);
@@ -419,7 +419,7 @@ void H5File::flush() {
   if (H5Fflush(id_.id(), H5F_SCOPE_GLOBAL) < 0) refuse_output(place_, "cannot be flushed to disk");
 }
 
-void H5File::abandon() noexcept {
+void H5File::detach_after_write_error() noexcept {
   void* descriptor = nullptr;
   if (id_.id() < 0 || H5Fget_vfd_handle(id_.id(), H5P_DEFAULT, &descriptor) < 0) return;
   const int nowhere = ::open("/dev/null", O_RDONLY | O_CLOEXEC);

@@ -87,7 +87,7 @@ class H5Table {
   bool has_filtered_row(std::uint64_t row) const;
   // For tables of a killed writer. What it last rewrote in place may be half old and half new: the rows are
   // there, and only the checksum behind them is not theirs. From now on such a last chunk is read.
-  void accept_torn_end() { torn_end_accepted_ = true; }
+  void ignore_last_checksum() { last_checksum_ignored_ = true; }
   template <class T>
   void write(std::uint64_t first_row, std::span<const T> values) {
     transfer(first_row, const_cast<T*>(values.data()), values.size(), h5_type_of<T>(), true);
@@ -113,7 +113,7 @@ class H5Table {
   std::vector<std::uint64_t> row_shape_;
   std::uint64_t row_elements_ = 1;
   StoredRows stored_;  // of a table that was opened
-  bool torn_end_accepted_ = false;
+  bool last_checksum_ignored_ = false;
 };
 
 // A group, or the root of a file.
@@ -163,7 +163,7 @@ class H5File : public H5Node {
   // Flushes and closes; OutputError when not all reached the file. Its tables and groups must be gone.
   void close();
   // After a failed write: nothing more is written, so that what was flushed stays as it is.
-  void abandon() noexcept;
+  void detach_after_write_error() noexcept;
   // True when the file was opened while its writer had not closed it.
   bool unfinished() const { return unfinished_; }
 

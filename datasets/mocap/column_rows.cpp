@@ -57,8 +57,8 @@ class RowReader {
   std::int64_t rows_ = 0;            // read so far
   std::int64_t previous_index_ = 0;  // of the row before
   std::int64_t steps_back_ = 0;      // rows whose frame is before that of the row before
-  double first_printed_s_ = kMissing, last_printed_s_ = kMissing;  // of rows that were taken
-  double zero_printed_s_ = kMissing;  // printed time of the first frame, from the first row that has one
+  double first_printed_s_ = kNaN, last_printed_s_ = kNaN;  // of rows that were taken
+  double zero_printed_s_ = kNaN;  // printed time of the first frame, from the first row that has one
   FarNumbers far_;
 };
 
@@ -67,7 +67,7 @@ RowReader::RowReader(LineReader& lines, const ColumnLayout& layout, const std::v
     : lines_(lines), layout_(layout), assets_(assets), take_(take) {
   metres_ = metres_per(header_.length_unit);
   if (!std::isnan(header_.export_rate_hz)) rate_uhz_ = std::llround(header_.export_rate_hz * 1e6);
-  numbers_.assign(kSlotsPerAsset * assets.size() + 1, kMissing);
+  numbers_.assign(kSlotsPerAsset * assets.size() + 1, kNaN);
   target_.assign(layout_.used_columns, kNoColumn);
   target_[layout_.time_column] = numbers_.size() - 1;
   std::size_t last = layout_.time_column;
@@ -172,7 +172,7 @@ void RowReader::read(MocapTime until) {
 
 void RowReader::read_row(std::string_view line) {
   const std::int64_t index = read_index(line);
-  std::ranges::fill(numbers_, kMissing);
+  std::ranges::fill(numbers_, kNaN);
   not_finite_cells_ = 0;
   const char* const end = line.data() + line.size();
   std::size_t fields = 1;
@@ -212,14 +212,14 @@ const char* RowReader::read_number(const char* p, const char* end, std::size_t c
   if (const char* const behind = parse_plain_decimal(p, end, number)) return behind;
   const char* const behind = end_of_cell(p, end);
   const std::string_view cell(p, static_cast<std::size_t>(behind - p));
-  number = kMissing;
+  number = kNaN;
   switch (parse_cell(cell, number)) {
     case CellKind::number:
       break;
     case CellKind::empty:
       break;
     case CellKind::not_finite:
-      number = kMissing;
+      number = kNaN;
       ++not_finite_cells_;
       break;
     case CellKind::unreadable:
@@ -283,7 +283,7 @@ Eigen::Vector3d RowReader::position(std::size_t number) {
   if (is_filled) return Eigen::Vector3d::Constant(kFilled);
   if (!position_m.hasNaN()) return position_m;
   if (!position_m.array().isNaN().all()) ++anomalies_.partial_poses;
-  return Eigen::Vector3d::Constant(kMissing);
+  return Eigen::Vector3d::Constant(kNaN);
 }
 
 void RowReader::refuse_cell(std::size_t column, std::string_view cell, const char* problem) const {

@@ -100,19 +100,19 @@ MocapTake read_joint_csv(const std::filesystem::path& path) {
       throw InputError(lines.place(),
                        fmt::format("has {} cells under {} columns", cells.size(), names.size()));
     const auto number = [&](std::size_t c) {
-      double value = kMissing;
+      double value = kNaN;
       const CellKind kind = parse_cell(cells[places[c]], value);
       if (kind == CellKind::unreadable)
         throw InputError(lines.place(), fmt::format("{} is \"{}\", which is not a number", kJointColumns[c],
                                                     cells[places[c]]));
-      return kind == CellKind::number ? value : kMissing;
+      return kind == CellKind::number ? value : kNaN;
     };
     const double time_s = number(0);
     if (!std::isfinite(time_s)) throw InputError(lines.place(), "has no time_s");
     const auto [joint, is_new] = joints.try_emplace(cells[places[1]], joints.size());
     if (is_new) positions.header.assets.push_back({AssetType::marker, joint->first, "", "", true});
     Eigen::Vector3d position_m(number(2), number(3), number(4));
-    if (!position_m.allFinite()) position_m.setConstant(kMissing);
+    if (!position_m.allFinite()) position_m.setConstant(kNaN);
     for (const double x_m : position_m)
       if (std::abs(x_m) > kMaxDistance_m)
         far.add(x_m, [&] { return InputError(lines.place(), cells[places[1]] + ' ' + kTooFar); });
@@ -140,8 +140,8 @@ MocapTake read_joint_csv(const std::filesystem::path& path) {
       positions.frame.push_back(std::ssize(positions.frame));
       positions.time.push_back({since_first_ns(time_s)});
     }
-  positions.position_m.assign(joints.size(), std::vector<Eigen::Vector3d>(
-                                                 positions.time.size(), Eigen::Vector3d::Constant(kMissing)));
+  positions.position_m.assign(
+      joints.size(), std::vector<Eigen::Vector3d>(positions.time.size(), Eigen::Vector3d::Constant(kNaN)));
   std::size_t frame = 0;
   for (const Row& row : rows) {
     while (positions.time[frame].ns < since_first_ns(row.time_s)) ++frame;

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using Positions = std::vector<Vector3d>;
 
-const Vector3d kNone = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+const Vector3d kNone = Vector3d::Constant(kNaN);
 
 void remove_marked(Positions& position_m, MissingCounts& counts) {
   for (Vector3d& p : position_m) {

@@ -22,7 +22,7 @@ struct MocapSummary {
   std::int64_t index_gaps = 0;       // places where the frame index skips
   std::int64_t skipped_frames = 0;   // indices skipped there
   double duration_s = 0.0;           // from the first frame to the last
-  double rate_hz = kMissing;         // as stated; else frames over duration
+  double rate_hz = kNaN;             // as stated; else frames over duration
   std::vector<AssetSummary> assets;  // as in the header
 };
 
@@ -30,7 +30,7 @@ struct MocapSummary {
 // rig of markers on one. 'x', 'y' or 'z'; nothing when another axis is nearly as long.
 struct LikelyUp {
   std::optional<char> axis;
-  Eigen::Vector3d spread_m = Eigen::Vector3d::Constant(kMissing);
+  Eigen::Vector3d spread_m = Eigen::Vector3d::Constant(kNaN);
 };
 LikelyUp likely_up(const MocapSummary& summary);
 

@@ -18,7 +18,6 @@
 
 namespace trilat {
 
-inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 // A far value that stands for missing.
 inline constexpr double kFilled = std::numeric_limits<double>::infinity();
 
@@ -50,8 +49,8 @@ struct MocapHeader {
   std::string take_name;
   std::string take_notes;
   std::string capture_start_text;  // local time without zone, as written
-  double capture_rate_hz = kMissing;
-  double export_rate_hz = kMissing;  // NaN: not stated
+  double capture_rate_hz = kNaN;
+  double export_rate_hz = kNaN;  // NaN: not stated
   std::optional<std::int64_t> capture_start_frame;
   std::optional<std::int64_t> total_frames_in_take;
   std::optional<std::int64_t> total_exported_frames;
@@ -76,7 +75,7 @@ struct MocapAnomalies {
   // What the header promises and the rows there are, where the file ends before; 0 otherwise. Known at the
   // end.
   std::int64_t frames_promised = 0, frames_there = 0;
-  double largest_time_error_s = kMissing;  // of the printed times against the delivered ones
+  double largest_time_error_s = kNaN;  // of the printed times against the delivered ones
 };
 
 // How many positions of one asset are no measurement.

@@ -58,7 +58,7 @@ std::string LineReader::place() const {
   return path_ + ":" + std::to_string(std::max<std::int64_t>(1, line_));
 }
 
-void LineReader::unread() {
+void LineReader::put_back() {
   begin_ = line_begin_;
   --line_;
 }
@@ -171,7 +171,7 @@ std::int64_t HeaderKeys::stated_count(std::string_view key, std::int64_t most) c
 
 double HeaderKeys::rate_hz(std::string_view key) const {
   const std::string cell = text(key);
-  double value = std::numeric_limits<double>::quiet_NaN();
+  double value = kNaN;
   if (cell.empty()) return value;
   if (parse_cell(cell, value) != CellKind::number || !is_frame_rate(value))
     refuse(key, "a rate of 1 to 9000 Hz, such as 120.000000");

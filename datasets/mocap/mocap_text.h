@@ -36,7 +36,7 @@ class LineReader {
   std::string place() const;
 
   // Puts the line read last back; once, before anything else is read.
-  void unread();
+  void put_back();
 
  private:
   void refill();

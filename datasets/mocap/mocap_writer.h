@@ -26,7 +26,8 @@ class OptitrackCsvWriter {
   // OutputError when the file cannot be written.
   OptitrackCsvWriter(const std::filesystem::path& path, MocapHeader header);
 
-  // A position for each asset of the header, NaN where it is missing. The printed time is frame / export rate.
+  // A position for each asset of the header, NaN where it is missing. The printed time is frame / export
+  // rate.
   void write(std::int64_t frame, std::span<const Eigen::Vector3d> position_m);
   // The number of frames must be the one the header states, when it states one.
   void finish();

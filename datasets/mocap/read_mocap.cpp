@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <string>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -158,7 +158,7 @@ ColumnHeader read_header(const std::filesystem::path& path, LineReader& lines) {
 
 }  // namespace
 
-bool begins_as_mocap(const std::filesystem::path& path) {
+bool is_mocap_file(const std::filesystem::path& path) {
   if (is_c3d(path)) return true;
   LineReader lines(path, MocapPart{}.block_bytes);
   std::string_view line;

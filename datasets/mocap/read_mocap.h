@@ -12,7 +12,7 @@
 namespace trilat {
 
 // Whether the first line is that of a format below; the rest of the file is not looked at.
-bool begins_as_mocap(const std::filesystem::path& path);
+bool is_mocap_file(const std::filesystem::path& path);
 
 // The header alone. InputError when the file cannot be opened or is in none of these formats.
 MocapHeader read_mocap_header(const std::filesystem::path& path);

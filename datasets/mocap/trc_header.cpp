@@ -93,7 +93,7 @@ void skip_axes(LineReader& lines) {
   if (!lines.next(line)) throw InputError(lines.place(), "the file ends before its data");
   const std::size_t first = line.find_first_not_of(" \t");
   const bool is_row_of_data = first != std::string_view::npos && line[first] >= '0' && line[first] <= '9';
-  if (is_row_of_data) lines.unread();
+  if (is_row_of_data) lines.put_back();
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   Cells values = next_cells(lines, "the values of the header");
   const HeaderKeys header(values_of(std::move(keys), std::move(values)), lines.place());
   result.header.format = "TRC";
-  double stated_hz = kMissing;
+  double stated_hz = kNaN;
   const bool is_zero = parse_cell(header.text("DataRate"), stated_hz) == CellKind::number && stated_hz == 0.0;
   if (!is_zero) result.header.export_rate_hz = header.rate_hz("DataRate");
   result.header.total_exported_frames = header.stated_count("NumFrames", kHighestFrame);
@@ -153,7 +153,7 @@ void settle_trc_rate(const std::filesystem::path& path, MocapHeader& header) {
   const double frames = static_cast<double>(rows.back().first - rows.front().first);
   const double span_s = rows.back().second - rows.front().second;
   if (std::abs(stated_hz * span_s / frames - 1.0) <= kDiffers) return;
-  header.export_rate_hz = kMissing;
+  header.export_rate_hz = kNaN;
   const double rate_hz = static_cast<double>(rows.size() - 1) / span_s;
   header.taken_as = fmt::format(
       "its rows are {:.4g} s apart, {:.4g} Hz, and its header states {}: the times count", 1.0 / rate_hz,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "datasets/base/units.h"
 #include "datasets/paper/embedded_paper.h"
 
 namespace trilat {
@@ -28,15 +29,14 @@ PrintedErrata printed_errata() { return read_printed<PrintedErrata>(embedded::er
 
 double printed_cm(const PrintedTable3& table, const std::vector<std::string>& groups,
                   const std::string& group, const std::string& method) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const bool are_the_papers =
       groups.size() == table.rows.size() && std::ranges::all_of(table.rows, [&](const PrintedTable3::Row& r) {
         return std::ranges::find(groups, r.group) != groups.end();
       });
-  if (group == table.rows.back().group && !are_the_papers) return kNone;
+  if (group == table.rows.back().group && !are_the_papers) return kNaN;
   const auto column = std::ranges::find(table.methods, method);
   const auto row = std::ranges::find(table.rows, group, &PrintedTable3::Row::group);
-  if (column == table.methods.end() || row == table.rows.end()) return kNone;
+  if (column == table.methods.end() || row == table.rows.end()) return kNaN;
   return row->mae_cm[static_cast<std::size_t>(column - table.methods.begin())];
 }
 

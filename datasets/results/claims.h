@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/base/document.h"
+#include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
@@ -16,19 +17,18 @@ namespace trilat {
 // One number that a claim or an erratum of the paper is judged by, as the numbers of a study give it. NaN
 // where there is none.
 struct ClaimNumber {
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::string claim = {};                           // its id: "better_than_linear", "E7"
-  std::string what = {};                            // "linear against nonlinear, head"
-  std::string unit = {};                            // "%" or "cm"
-  double value = kNone, low = kNone, high = kNone;  // 95 %
+  std::string claim = {};                        // its id: "better_than_linear", "E7"
+  std::string what = {};                         // "linear against nonlinear, head"
+  std::string unit = {};                         // "%" or "cm"
+  double value = kNaN, low = kNaN, high = kNaN;  // 95 %
   std::uint64_t clusters = 0;
-  std::string over = {};    // what the interval is over: "participants"
-  double compared = kNone;  // of two methods: the share of the samples that both answer
-  std::string bound = {};   // "more than 1 %"; empty where nothing is decided
+  std::string over = {};   // what the interval is over: "participants"
+  double compared = kNaN;  // of two methods: the share of the samples that both answer
+  std::string bound = {};  // "more than 1 %"; empty where nothing is decided
   // The probabilities of a number so far on its side of the bound (or on the other) by chance, twice the
   // one-sided ones: 0.05 is where the 95 % interval touches the bound. Of what was not sampled but listed
   // whole, 0 or 1.
-  double p_holds = kNone, p_fails = kNone;
+  double p_holds = kNaN, p_fails = kNaN;
   std::string missing = {};  // why there is no number
 };
 
@@ -44,7 +44,7 @@ struct JudgedClaim {
   std::string id, where, claim, printed;
   std::string reason;  // why that margin, or why there is no verdict
   std::vector<ClaimNumber> numbers;
-  double p = ClaimNumber::kNone;  // corrected for how many claims are tested (Holm 1979)
+  double p = kNaN;  // corrected for how many claims are tested (Holm 1979)
   ClaimVerdict verdict = ClaimVerdict::cannot_test;
 };
 

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "datasets/base/document.h"
+#include "datasets/base/units.h"
 
 namespace trilat {
 
 // Its numbers are NaN where there is nothing: a point without x or y is not drawn and ends a line.
 struct FigurePoint {
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double x = 0.0, y = 0.0;
-  double low = kNone, high = kNone;  // an interval about y
+  double low = kNaN, high = kNaN;  // an interval about y
 
   static void fields(auto& self, auto&& f) {
     f("x", self.x, "y", self.y, "low", self.low, "high", self.high);

@@ -107,7 +107,7 @@ class Row {
     return value;
   }
   double real(std::size_t column) const {
-    if (cells_[column].empty()) return kNoNumber;
+    if (cells_[column].empty()) return kNaN;
     const auto value = parsed<double>(column, "must be a number or empty");
     if (!std::isfinite(value)) refuse(column, "must be a number or empty");
     return value;
@@ -153,7 +153,7 @@ const Number* Numbers::find(const NumberKey& key) const {
 
 double Numbers::value(const NumberKey& key) const {
   const Number* number = find(key);
-  return number ? number->value : kNoNumber;
+  return number ? number->value : kNaN;
 }
 
 std::uint64_t Numbers::n(const NumberKey& key) const {

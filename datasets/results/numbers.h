@@ -11,9 +11,9 @@
 #include <unordered_map>
 #include <vector>
 
-namespace trilat {
+#include "datasets/base/units.h"
 
-inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+namespace trilat {
 
 // What a number of a study is about. A part that does not apply is empty.
 struct NumberKey {
@@ -32,10 +32,10 @@ struct NumberKey {
 
 // One number with its 95 % interval, in SI units. NaN where there is none.
 struct Number : NumberKey {
-  double value = kNoNumber, low = kNoNumber, high = kNoNumber;
+  double value = kNaN, low = kNaN, high = kNaN;
   std::uint64_t n = 0;         // samples behind it
   std::uint64_t clusters = 0;  // behind its interval
-  double p = kNoNumber;        // p value of a difference from zero, two-sided
+  double p = kNaN;             // p value of a difference from zero, two-sided
 };
 
 // The measures along the world's axes.

@@ -189,7 +189,6 @@ void check_places(const TakeErrors& t, const TakeHead& head, const std::string& 
 }  // namespace
 
 void SampleBlock::reset(std::uint64_t first, std::uint64_t count, std::size_t joints, std::size_t methods) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   first_instant = first;
   instants = count;
   time_ns.assign(count, 0);

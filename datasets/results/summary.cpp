@@ -49,7 +49,7 @@ const Number* find_coverage(const ResultsSummary& summary, const std::string& me
 double coverage_of(const ResultsSummary& summary, const std::string& method, const std::string& condition,
                    const std::string& group, const std::string& alignment) {
   const Number* coverage = find_coverage(summary, method, condition, group, alignment);
-  return coverage ? coverage->value : kNoNumber;
+  return coverage ? coverage->value : kNaN;
 }
 
 const Number* find_difference(const ResultsSummary& summary, const std::string& method,
@@ -90,10 +90,10 @@ void add_row(const TakeJointRow& row, ResultsSummary& summary) {
                       .alignment = summary.alignments.front(),
                       .take = row.take};
   summary.numbers.add({key.with({.measure = "answered", .statistic = "share"}),
-                       static_cast<double>(row.answered) / static_cast<double>(row.asked), kNoNumber,
-                       kNoNumber, row.asked});
-  summary.numbers.add({key.with({.measure = "distance", .statistic = "mean"}), row.mae_m, kNoNumber,
-                       kNoNumber, row.answered});
+                       static_cast<double>(row.answered) / static_cast<double>(row.asked), kNaN, kNaN,
+                       row.asked});
+  summary.numbers.add(
+      {key.with({.measure = "distance", .statistic = "mean"}), row.mae_m, kNaN, kNaN, row.answered});
 }
 
 const BestMethod* find_best(const ResultsSummary& summary, const std::string& condition,

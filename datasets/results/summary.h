@@ -64,7 +64,7 @@ struct CrossCheck {
 struct TakeJointRow {
   std::string take, participant, condition, group, joint, method;
   std::uint64_t asked = 0, answered = 0;
-  double mae_m = kNoNumber;
+  double mae_m = kNaN;
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.
@@ -188,9 +188,9 @@ std::vector<std::string> leading_methods(const ResultsSummary& summary, const st
 // interval is of 95 %, by Student's t between participants.
 struct ErrorChange {
   std::string condition, group, method;
-  double before_m = kNoNumber, after_m = kNoNumber;
-  double difference_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;  // after - before
-  double standard_error_m = kNoNumber, chance = kNoNumber;  // two-sided, of so much without any change
+  double before_m = kNaN, after_m = kNaN;
+  double difference_m = kNaN, low_m = kNaN, high_m = kNaN;  // after - before
+  double standard_error_m = kNaN, chance = kNaN;            // two-sided, of so much without any change
   std::size_t clusters = 0, degrees = 0;                    // of freedom; 0: no interval
   std::vector<std::string> without{};  // groups that the average leaves out: one side does not answer them
   bool is_real() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }

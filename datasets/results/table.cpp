@@ -77,7 +77,7 @@ TableValue shown_number(const Numbers& numbers, const NumberKey& key, int decima
                         : unit == "s"   ? 1e3
                         : unit == "rad" ? kDegreesPerRad
                                         : 1.0;
-  if (!number) return number_cell(decimals, kNoNumber);
+  if (!number) return number_cell(decimals, kNaN);
   return number_cell(decimals, factor * number->value, factor * number->low, factor * number->high);
 }
 

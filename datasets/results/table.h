@@ -37,7 +37,7 @@ struct TableValue {
   std::optional<double> number;
   int decimals = 1;
   std::string text;
-  double low = kNoNumber, high = kNoNumber;  // of a number in a column with intervals
+  double low = kNaN, high = kNaN;  // of a number in a column with intervals
   Mark mark = Mark::none;
   std::string beside = {};  // what stands behind a number: "paper 8.7"
 
@@ -134,7 +134,7 @@ void add_notes(Table& table, const std::string& section,
                const std::map<std::string, std::string>& names = {});
 
 // Cells of tables: SI values in, printed units out. NaN stays NaN, which prints as a dash.
-inline TableValue number_cell(int decimals, double value, double low = kNoNumber, double high = kNoNumber) {
+inline TableValue number_cell(int decimals, double value, double low = kNaN, double high = kNaN) {
   if (std::isnan(value)) low = high = value;
   return {value, decimals, {}, low, high};
 }
@@ -148,10 +148,10 @@ inline TableValue percent_cell(double share, double low, double high) {
   return number_cell(1, 100.0 * share, 100.0 * low, 100.0 * high);
 }
 inline TableValue count_cell(std::uint64_t n) { return TableValue::of(static_cast<double>(n), 0); }
-inline TableValue no_cell() { return TableValue::of(kNoNumber, 0); }
+inline TableValue no_cell() { return TableValue::of(kNaN, 0); }
 
 inline double share_of(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? kNoNumber : static_cast<double>(part) / static_cast<double>(whole);
+  return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
 }
 
 // What a column shows of a row: a member of it or what a function says of it; of three, value and interval.

@@ -105,7 +105,7 @@ const SensorPose& pose_of(const Calibration& calibration, const std::string& nam
     if (pose.name == name) return pose;
     known.push_back(pose.name);
   }
-  throw InputError(place, "has no pose for sensor \"" + name + "\"; it has " + listed(known));
+  throw InputError(place, "has no pose for sensor \"" + name + "\"; it has " + join_names(known));
 }
 
 }  // namespace trilat

@@ -25,7 +25,7 @@ constexpr double kMinCosine = 0.8;
 
 // What lies at one height of a person who stands, from the top. The arms may be anywhere.
 using enum Joint;
-const std::array<std::vector<Joint>, StandingAxis::kLevels> kJointsOfLevel{
+const std::array<std::vector<Joint>, UpAxisEstimator::kLevels> kJointsOfLevel{
     {{head},
      {neck, spine_shoulder, shoulder_left, shoulder_right},
      {spine_base, hip_left, hip_right},
@@ -34,7 +34,7 @@ const std::array<std::vector<Joint>, StandingAxis::kLevels> kJointsOfLevel{
 
 }  // namespace
 
-void StandingAxis::add(Joint joint, const Eigen::Vector3d& point_m) {
+void UpAxisEstimator::add(Joint joint, const Eigen::Vector3d& point_m) {
   if (!point_m.allFinite()) return;
   for (std::size_t level = 0; level < kLevels; ++level)
     if (std::ranges::find(kJointsOfLevel.at(level), joint) != kJointsOfLevel.at(level).end()) {
@@ -43,7 +43,7 @@ void StandingAxis::add(Joint joint, const Eigen::Vector3d& point_m) {
     }
 }
 
-std::optional<UpAxis> StandingAxis::axis() const {
+std::optional<UpAxis> UpAxisEstimator::axis() const {
   const auto is_known = [](const Level& level) { return level.count > 0.0; };
   const auto highest = std::ranges::find_if(levels_, is_known);
   const auto lowest = std::find_if(levels_.rbegin(), levels_.rend(), is_known);
@@ -196,7 +196,7 @@ NamedPoints read_points(const std::filesystem::path& path) {
   return points;
 }
 
-std::string mapping_text(const JointMapping& mapping) { return exact_json_text(json_of(mapping), 2); }
+std::string mapping_text(const JointMapping& mapping) { return utf8_json_text(json_of(mapping), 2); }
 
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping) {
   write_file(path, mapping_text(mapping) + "\n");
@@ -230,10 +230,10 @@ void write_campaign(const std::filesystem::path& folder, Campaign campaign) {
   for (StatedDistances& stated : campaign.stated_distances)
     make_relative(stated.session), make_relative(stated.places);
   for (FlatWall& wall : campaign.walls) make_relative(wall.session);
-  write_file(folder / "campaign.json", exact_json_text(json_of(campaign), 2) + "\n");
+  write_file(folder / "campaign.json", utf8_json_text(json_of(campaign), 2) + "\n");
 }
 
-std::vector<std::string> oddities_of(const Campaign& campaign) {
+std::vector<std::string> suspicious_names(const Campaign& campaign) {
   const auto plain = [](const std::string& name) {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     std::string letters;

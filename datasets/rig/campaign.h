@@ -36,7 +36,7 @@ inline Eigen::Vector3d y_up_from_z_up(const Eigen::Vector3d& point) {
 }
 
 // Along which axis a person stands: from the lowest joints that are known to the highest, in the mean.
-class StandingAxis {
+class UpAxisEstimator {
  public:
   static constexpr std::size_t kLevels = 5;  // head, shoulders, hips, knees, feet
   // Points that are not finite, and arms, say nothing.
@@ -208,7 +208,7 @@ Campaign parse_campaign(const Json& json, const std::filesystem::path& file);
 
 // Sentences on names that look like one and count as two: participants and activities that differ in case,
 // blanks or punctuation alone, as "p01" and "P-01". Punctuation between digits tells names apart.
-std::vector<std::string> oddities_of(const Campaign& campaign);
+std::vector<std::string> suspicious_names(const Campaign& campaign);
 // Writes paths relative to `folder`, whatever they are.
 void write_campaign(const std::filesystem::path& folder, Campaign campaign);
 

@@ -31,7 +31,7 @@ Eigen::Vector2d distort(const DepthIntrinsics& in, const Eigen::Vector2d& n, Eig
 
 }  // namespace
 
-std::string implausibility_of(const DepthIntrinsics& in) {
+std::string problem_with(const DepthIntrinsics& in) {
   const auto finite = [](double value) { return std::isfinite(value); };
   if (!(finite(in.fx_px) && finite(in.fy_px) && finite(in.cx_px) && finite(in.cy_px) && finite(in.k1) &&
         finite(in.k2) && finite(in.k3) && finite(in.p1) && finite(in.p2)))

@@ -25,7 +25,7 @@ struct DepthIntrinsics {
 };
 
 // Why these intrinsics cannot belong to a Kinect-like camera; empty when they can.
-std::string implausibility_of(const DepthIntrinsics& intrinsics);
+std::string problem_with(const DepthIntrinsics& intrinsics);
 
 // The pixel that sees a point of the sensor frame (frames.h: +x is to the image's right, +y up).
 // Nothing when the point is not in front of the lens or so far aside (normalised radius above 1.2) that the

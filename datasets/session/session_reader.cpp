@@ -34,7 +34,7 @@ DepthIntrinsics read_intrinsics(const H5Node& node) {
   in.k3 = node.number("k3");
   in.p1 = node.number("p1");
   in.p2 = node.number("p2");
-  if (const std::string why = implausibility_of(in); !why.empty())
+  if (const std::string why = problem_with(in); !why.empty())
     throw InputError(node.place(), "has intrinsics that cannot be: it " + why);
   return in;
 }

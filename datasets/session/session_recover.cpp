@@ -17,9 +17,9 @@ namespace {
 constexpr std::uint64_t kBodiesAtOnce = 64;  // frames
 
 // Reports the share done, weighed by frames, and throws when asked to stop.
-class Advance {
+class ProgressMeter {
  public:
-  Advance(const SessionReader& session, const std::function<bool(double)>& report) : report_(report) {
+  ProgressMeter(const SessionReader& session, const std::function<bool(double)>& report) : report_(report) {
     for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
       total_ += session.counts(s).body_frames + session.counts(s).depth_frames;
   }
@@ -50,7 +50,7 @@ std::uint64_t salvage(std::uint64_t first, std::uint64_t count,
 }
 
 // All frames, `block` together.
-std::uint64_t salvage_all(std::uint64_t frames, std::uint64_t block, Advance& advance,
+std::uint64_t salvage_all(std::uint64_t frames, std::uint64_t block, ProgressMeter& advance,
                           const std::function<void(std::uint64_t, std::uint64_t)>& take) {
   std::uint64_t damaged = 0;
   for (std::uint64_t first = 0; first < frames; first += block) {
@@ -73,7 +73,7 @@ void copy_depth(const SessionReader& from, std::size_t sensor, SessionWriter& to
 }
 
 SensorRecovery copy_sensor(const SessionReader& from, std::size_t sensor, SessionWriter& to,
-                           Advance& advance) {
+                           ProgressMeter& advance) {
   const SensorCounts& counts = from.counts(sensor);
   SensorRecovery recovery{from.header().sensors[sensor].name, counts, counts.torn_rows};
   std::uint64_t bodies = 0;
@@ -116,7 +116,7 @@ std::vector<SensorRecovery> copy_session(const SessionReader& from, const std::f
                                          ChunkCompression compression,
                                          const std::function<bool(double)>& progress) {
   SessionWriter to(output, from.header(), compression);
-  Advance advance(from, progress);
+  ProgressMeter advance(from, progress);
   std::vector<SensorRecovery> recoveries;
   for (std::size_t s = 0; s < from.header().sensors.size(); ++s)
     recoveries.push_back(copy_sensor(from, s, to, advance));

@@ -60,7 +60,7 @@ std::array<std::uint64_t, layout::kFlushedNumbers> flushed_rows(const H5Node& no
   limits.fill(0);
   Opened<std::int64_t> flushed;
   flushed.open(node, layout::kFlushed, {layout::kFlushedNumbers});
-  flushed.table.accept_torn_end();
+  flushed.table.ignore_last_checksum();
   const std::uint64_t rows = flushed.table.rows(), count = std::min<std::uint64_t>(rows, 2);
   const std::vector<std::int64_t> values = flushed.read(rows - count, count);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -122,7 +122,7 @@ CommonRows common_rows(const Tables& tables) {
 }
 
 void accept_torn_ends(SensorTables& t) {
-  const auto accept = [](const char*, auto& column, auto...) { column.table.accept_torn_end(); };
+  const auto accept = [](const char*, auto& column, auto...) { column.table.ignore_last_checksum(); };
   layout::BodyFrames<Opened>::columns(t.frames, accept);
   layout::Bodies<Opened>::columns(t.bodies, accept);
   if (t.depth_stamps) layout::Stamps<Opened>::columns(*t.depth_stamps, accept);

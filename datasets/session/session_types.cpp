@@ -24,7 +24,7 @@ std::string problem_with(const SensorDescription& sensor) {
     return "has a device tick outside 1 to 1000000000 ns";
   if (!(sensor.nominal_rate_hz > 0.1 && sensor.nominal_rate_hz < 10'000.0))
     return "has a frame rate outside 0.1 to 10000 Hz";
-  return implausibility_of(sensor.intrinsics);
+  return problem_with(sensor.intrinsics);
 }
 
 bool is_plausible(const FrameStamp& stamp, std::int64_t tick_ns) {

@@ -24,8 +24,8 @@ struct Place {
   std::string sensor;  // file.h5:/sensors/NAME
   std::vector<Finding>* findings;
   void say(Severity severity, const std::string& part, const std::string& text,
-           const std::string& endangers = {}) const {
-    findings->push_back({severity, sensor + part, text, endangers});
+           const std::string& affects = {}) const {
+    findings->push_back({severity, sensor + part, text, affects});
   }
 };
 
@@ -245,11 +245,11 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
   const SensorCounts& counts = session.counts(sensor);
   if (counts.body_frames + counts.depth_frames == 0) return;
   const SensorClockMap clock = fit_sensor_clock(session, sensor);
-  constexpr Duration kMaxBend{1'000'000};
+  constexpr Duration kMaxDeviation{1'000'000};
   constexpr double kSure_ms = 2.0;  // the paper's "less than 5 ms" leaves no more for two clocks
-  const double sigma_ms = 1e-6 * static_cast<double>(clock.stamps.doubt.sigma_ns);
-  const double bound_ms = 1e-6 * static_cast<double>(clock.stamps.doubt.bound_ns);
-  const double outside_s = clock.stamps.doubt.outside.seconds();
+  const double sigma_ms = 1e-6 * static_cast<double>(clock.stamps.uncertainty.sigma_ns);
+  const double bound_ms = 1e-6 * static_cast<double>(clock.stamps.uncertainty.bound_ns);
+  const double outside_s = clock.stamps.uncertainty.outside.seconds();
   constexpr double kNear_s = 10.0;
   if (outside_s > kNear_s)
     place.say(
@@ -264,17 +264,17 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
                           "deviation), and unlike delays could add {:.1f} ms",
                           sigma_ms, bound_ms),
               kTimes);
-  if (clock.agent.bend > kMaxBend)
+  if (clock.agent.deviation > kMaxDeviation)
     place.say(Severity::warning, "/clock_exchanges_ns",
               fmt::format("leave a straight line by {:.1f} ms {:.0f} s after the first: the clock of the "
                           "sensor's computer changed its rate, or the network delayed one way",
-                          1e3 * clock.agent.bend.seconds(), clock.agent.bend_after.seconds()),
+                          1e3 * clock.agent.deviation.seconds(), clock.agent.deviation_after.seconds()),
               kTimes);
-  if (clock.stamps.bend > kMaxBend)
+  if (clock.stamps.deviation > kMaxDeviation)
     place.say(Severity::warning, "",
               fmt::format("all frames of 10 s, {:.0f} s after the first, are {:.1f} ms later than a straight "
                           "line from ticks to arrivals; the times there may be off by as much",
-                          clock.stamps.bend_after.seconds(), 1e3 * clock.stamps.bend.seconds()),
+                          clock.stamps.deviation_after.seconds(), 1e3 * clock.stamps.deviation.seconds()),
               kTimes);
   if (clock.stamps.drift_left_out != 0.0)
     place.say(Severity::warning, "",
@@ -323,7 +323,7 @@ std::optional<std::string> odd_ticks_text(const SessionReader& session, std::siz
                      rate_hz(tick_ns), tick_ns, remedy);
 }
 
-bool sees_nobody(const SessionReader& session) {
+bool has_no_bodies(const SessionReader& session) {
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
     if (session.counts(s).bodies > 0 || session.counts(s).body_frames == 0) return false;
   return true;

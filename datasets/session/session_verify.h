@@ -19,7 +19,7 @@ struct Finding {
   Severity severity = Severity::note;
   std::string place;
   std::string text;
-  std::string endangers = {};  // which studies cannot be trusted, or lose what; empty: none
+  std::string affects = {};  // which studies cannot be trusted, or lose what; empty: none
 };
 
 struct VerifyOptions {
@@ -37,6 +37,6 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
 std::optional<std::string> odd_ticks_text(const SessionReader& session, std::size_t sensor);
 
 // Every sensor has frames of bodies, and none of them holds a body.
-bool sees_nobody(const SessionReader& session);
+bool has_no_bodies(const SessionReader& session);
 
 }  // namespace trilat

@@ -188,7 +188,7 @@ void SessionWriter::guarded(const Work& work) {
   } catch (const InputError&) {
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
-    state_->file.abandon();
+    state_->file.detach_after_write_error();
     std::error_code ignored;
     std::filesystem::remove(partial_name(state_->path), ignored);
     abandoned->push_back(std::move(state_));

@@ -44,7 +44,7 @@ Eigen::Vector3d mean_of(const MocapTake& mocap, std::size_t frame, const std::ve
 }
 
 Eigen::Vector3d point_at(const JointTrack& track, double t) {
-  const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Eigen::Vector3d none = Eigen::Vector3d::Constant(kNaN);
   const auto later = std::ranges::lower_bound(track.time_s, t);
   if (later == track.time_s.end()) return none;
   const auto b = static_cast<std::size_t>(later - track.time_s.begin());
@@ -64,7 +64,7 @@ RecordedMotion read_recorded_motion(const std::filesystem::path& mocap, const st
   RecordedMotion result;
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   double points = 0.0;
-  StandingAxis standing;
+  UpAxisEstimator standing;
   std::set<std::size_t> wanted;
   for (const MappedJoint& mapped : joints) wanted.insert(mapped.assets.begin(), mapped.assets.end());
   const MocapTake positions = read_positions(mocap, {.assets = {{wanted.begin(), wanted.end()}}});

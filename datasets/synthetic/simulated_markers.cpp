@@ -12,7 +12,7 @@ namespace trilat {
 namespace {
 
 constexpr double kGapStretch_s = 0.2;
-const Eigen::Vector3d kLost = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+const Eigen::Vector3d kLost = Eigen::Vector3d::Constant(kNaN);
 
 Eigen::Vector3d seen(const Eigen::Vector3d& marker_m, const MocapSpec& spec, const SimulatedItem& item,
                      std::uint64_t unit, std::uint64_t part, std::uint64_t frame) {

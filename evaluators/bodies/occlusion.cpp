@@ -72,7 +72,7 @@ double crossing_on(const Segment& a, const Segment& b) {
   const double first = vector_product(a.end[0] - b.end[0], along);
   const double second = vector_product(a.end[1] - b.end[0], along);
   const bool on_both_sides = (first < 0.0 && second > 0.0) || (first > 0.0 && second < 0.0);
-  return on_both_sides ? first / (first - second) : std::numeric_limits<double>::quiet_NaN();
+  return on_both_sides ? first / (first - second) : kNaN;
 }
 
 double depth_at(const Segment& segment, double part) {

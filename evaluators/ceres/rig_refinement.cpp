@@ -104,8 +104,6 @@ struct DistanceResidual {
   }
 };
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 double square(double value) { return value * value; }
 
 // The waves' numbers per metre of depth lie evenly between those of the longest and the shortest.
@@ -167,9 +165,9 @@ class Refiner {
         reference_(reference),
         state_(enough_bytes(problem)) {
     result_.used.assign(problem.observations.size(), true);
-    result_.chi2.assign(problem.observations.size(), kNone);
+    result_.chi2.assign(problem.observations.size(), kNaN);
     result_.sensors.resize(problem.sensors);
-    for (RefinedSensor& sensor : result_.sensors) sensor.covariance.setConstant(kNone);
+    for (RefinedSensor& sensor : result_.sensors) sensor.covariance.setConstant(kNaN);
     start_points(start);
     if (options_.depth_correction) state_.depth_terms_m.assign(problem.sensors, DepthTerms::Zero());
   }
@@ -223,7 +221,7 @@ class Refiner {
     std::vector<std::vector<Eigen::Vector3d>> seen(problem_.points);
     for (const PointObservation& o : problem_.observations)
       seen[o.point].push_back(start[o.sensor] * o.point_in_sensor_m);
-    state_.point_m.assign(problem_.points, Eigen::Vector3d::Constant(kNone));
+    state_.point_m.assign(problem_.points, Eigen::Vector3d::Constant(kNaN));
     for (std::size_t p = 0; p < problem_.points; ++p)
       for (int axis = 0; axis < 3 && !seen[p].empty(); ++axis) {
         std::vector<double> values;
@@ -417,7 +415,7 @@ class Refiner {
       sensor.rms_m = std::sqrt(squares_m2[s] / static_cast<double>(std::max<std::size_t>(1, sensor.used)));
     }
     for (std::size_t p = 0; p < problem_.points; ++p)
-      if (!point_used[p]) state_.point_m[p].setConstant(kNone);
+      if (!point_used[p]) state_.point_m[p].setConstant(kNaN);
     result_.reduced_chi2 = reduced_chi2(total, used, point_used);
   }
 
@@ -440,7 +438,7 @@ class Refiner {
     }
     const auto points = static_cast<std::size_t>(std::ranges::count(point_used, true));
     const std::size_t unknowns = 6 * problem_.sensors + 3 * points - (control_points > 0 ? 0 : 6);
-    return residuals > unknowns ? total / static_cast<double>(residuals - unknowns) : kNone;
+    return residuals > unknowns ? total / static_cast<double>(residuals - unknowns) : kNaN;
   }
 
   void find_covariances(ceres::Problem& ceres_problem) {

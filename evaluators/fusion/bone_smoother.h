@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "datasets/base/units.h"
 #include "evaluators/fusion/joint_observation.h"
 #include "evaluators/solvers/point_estimate.h"
 
@@ -45,7 +46,7 @@ struct BodyPath {
 // A bone between two joints of the path, as numbers in its list.
 struct MedianBone {
   std::size_t parent = 0, child = 0;
-  double length_m = std::numeric_limits<double>::quiet_NaN();
+  double length_m = kNaN;
 };
 
 struct SmoothedBody {

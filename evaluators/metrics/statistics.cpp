@@ -209,7 +209,7 @@ std::vector<double> quantiles_of(std::vector<double> values, const std::vector<d
                    (quantiles.empty() || (quantiles.front() >= 0.0 && quantiles.back() <= 1.0)),
                "quantiles rise from 0 to 1");
   TRILAT_CHECK(std::ranges::none_of(values, [](double x) { return std::isnan(x); }), "a value is a number");
-  std::vector<double> result(quantiles.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> result(quantiles.size(), kNaN);
   if (values.empty()) return result;
   const std::size_t last = values.size() - 1;
   std::vector<std::size_t> ranks;

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/units.h"
+
 namespace trilat {
 
 // Every way in which any method ends. Results are born not_solved. Stored as numbers: a new way goes to the
@@ -38,8 +40,6 @@ constexpr bool is_usable(SolveStatus status) {
   return status == SolveStatus::converged || status == SolveStatus::closed_form ||
          status == SolveStatus::clamped || status == SolveStatus::given;
 }
-
-inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Where a method puts a joint in the world. Ask is_usable(status) before using the position: it is also
 // filled for iteration_limit (the last iterate), mirror_ambiguous (one of the two) and for rank_deficient

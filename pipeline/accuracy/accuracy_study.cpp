@@ -316,7 +316,7 @@ ItemTally run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const
   if (asks_for_wand(asked.study) && options.mark) options.mark();  // its poses are kept beside the results
   const StudySpec spec = known_methods(with_wand_poses(asked.study, asked.campaign, folder, hashes, planning),
                                        asked.campaign, notes);
-  for (std::string& text : oddities_of(asked.campaign))
+  for (std::string& text : suspicious_names(asked.campaign))
     notes.push_back({"", false, "campaign.json", std::move(text)});
   std::vector<WatchedFiles> files;  // from before they are read
   for (const Take& take : takes_of(spec, asked.campaign).takes) files.push_back(watched_files(take));

@@ -135,7 +135,7 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& re
     result.notes.push_back({planned.take.id, false, place.string(), std::move(text)});
   };
   const std::filesystem::path& mocap = planned.take.mocap;
-  for (std::string& text : oddities_of(truth)) note(mocap, std::move(text));
+  for (std::string& text : suspicious_names(truth)) note(mocap, std::move(text));
   for (std::string& text : points_left_out(planned.take, plan.names))
     note(planned.take.mapping, std::move(text));
   if (planned.truth_has_z_up)

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "datasets/base/units.h"
 #include "datasets/mocap/mocap_writer.h"
 #include "datasets/results/summary.h"
 #include "datasets/rig/calibration.h"
@@ -18,8 +19,8 @@
 namespace trilat {
 
 struct FusedPoint {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  double sigma_m = std::numeric_limits<double>::quiet_NaN();  // an axis, of the method's own model
+  Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
+  double sigma_m = kNaN;  // an axis, of the method's own model
   SolveStatus status = SolveStatus::not_solved;
 };
 

@@ -18,10 +18,10 @@ namespace trilat {
 // One number that a take was checked by. `what`, with its unit, is one of those that FORMATS.md lists; beyond
 // its limit a note of the take names it, with the remedy, unless the note of another check explains it.
 struct CheckRow {
-  std::string take = {}, subject = {};                          // a sensor, a joint, "mocap" or "all"
-  std::string what = {}, unit = {};                             // "m", "s", "rad", or "1" of a ratio
-  double value = kNoNumber, low = kNoNumber, high = kNoNumber;  // 95 %, where that is known
-  double limit = kNoNumber;
+  std::string take = {}, subject = {};           // a sensor, a joint, "mocap" or "all"
+  std::string what = {}, unit = {};              // "m", "s", "rad", or "1" of a ratio
+  double value = kNaN, low = kNaN, high = kNaN;  // 95 %, where that is known
+  double limit = kNaN;
   bool beyond = false;
 
   static void fields(auto& self, auto&& f) {
@@ -35,9 +35,9 @@ struct CheckRow {
 struct ClockRow {
   std::string take;
   std::string status;
-  double offset_s = kNoNumber, low_s = kNoNumber, high_s = kNoNumber;  // 95 %
-  double drift_ppm = kNoNumber, drift_sigma_ppm = kNoNumber;
-  double peak = kNoNumber, second = kNoNumber;  // correlation of speeds; the next peak as a share of it
+  double offset_s = kNaN, low_s = kNaN, high_s = kNaN;  // 95 %
+  double drift_ppm = kNaN, drift_sigma_ppm = kNaN;
+  double peak = kNaN, second = kNaN;  // correlation of speeds; the next peak as a share of it
   bool applied = false;
 
   static void fields(auto& self, auto&& f) {
@@ -53,8 +53,8 @@ struct RayRow {
   std::string take;
   std::uint64_t rows = 0;  // instants of single joints
   std::string problem = {};
-  double range_m = kNoNumber, bearing_m = kNoNumber;                        // standard deviations
-  double ratio = kNoNumber, ratio_low = kNoNumber, ratio_high = kNoNumber;  // range / bearing, 95 %
+  double range_m = kNaN, bearing_m = kNaN;                   // standard deviations
+  double ratio = kNaN, ratio_low = kNaN, ratio_high = kNaN;  // range / bearing, 95 %
 
   static void fields(auto& self, auto&& f) {
     f("take", self.take, "rows", self.rows, "problem", self.problem, "range_m", self.range_m, "bearing_m",

@@ -28,7 +28,7 @@ struct Mean {
     sum += value;
     n += 1.0;
   }
-  double value() const { return n > 0.0 ? sum / n : kNotMeasured; }
+  double value() const { return n > 0.0 ? sum / n : kNaN; }
 };
 
 }  // namespace
@@ -123,12 +123,12 @@ void add_spreads(const NumberKey& key, const WandRecording& recording, std::size
                                              {"median", spread.median_m},
                                              {"p95", spread.p95_m},
                                              {"max", spread.max_m}})
-      numbers.add({key.with({.measure = measure, .statistic = statistic}), value_m, kNoNumber, kNoNumber,
-                   spread.answered});
+      numbers.add(
+          {key.with({.measure = measure, .statistic = statistic}), value_m, kNaN, kNaN, spread.answered});
   }
   const auto answered = static_cast<double>(spread_of(distances).answered);
   numbers.add({key.with({.measure = "answered", .statistic = "share"}),
-               answered / static_cast<double>(distances.size()), kNoNumber, kNoNumber, distances.size()});
+               answered / static_cast<double>(distances.size()), kNaN, kNaN, distances.size()});
 }
 
 // Sums of the ball's distance errors (m) and their counts, by sensor, over the samples that `wanted` holds
@@ -193,7 +193,7 @@ void add_wand(const WandRecording& recording, std::size_t method, Numbers& numbe
   }
   const auto add_status = [&](const std::string& status, std::uint64_t count) {
     numbers.add({key.with({.group = kAllPlaces, .measure = "status", .statistic = status}),
-                 static_cast<double>(count) / static_cast<double>(asked), kNoNumber, kNoNumber, count});
+                 static_cast<double>(count) / static_cast<double>(asked), kNaN, kNaN, count});
   };
   if (asked == 0) return;
   add_status("another_thing", another);
@@ -229,8 +229,7 @@ void add_poses(const std::vector<WandRecording>& wands, Numbers& numbers) {
 void add_wall(const WallRow& wall, Numbers& numbers) {
   const NumberKey key{.condition = wall.recording, .group = wall.sensor};
   const auto add = [&](const char* measure, const char* statistic, double value) {
-    numbers.add(
-        {key.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, wall.frames});
+    numbers.add({key.with({.measure = measure, .statistic = statistic}), value, kNaN, kNaN, wall.frames});
   };
   add("wall", "distance", wall.distance_m);
   add("wall", "stated", wall.stated_m);
@@ -239,7 +238,7 @@ void add_wall(const WallRow& wall, Numbers& numbers) {
   for (const auto& [measure, columns] :
        {std::pair{"residual", &wall.residual_m}, {"sideways", &wall.printed_error_m}}) {
     const ColumnMeans means = column_means(*columns);
-    double max_m = kNotMeasured;
+    double max_m = kNaN;
     for (const double error_m : *columns) max_m = std::fmax(max_m, error_m);
     for (const auto& [statistic, value] : {std::pair{"left", means.left},
                                            {"middle", means.middle},

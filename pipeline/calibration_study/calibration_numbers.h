@@ -14,20 +14,20 @@ namespace trilat {
 struct ErrorSpread {
   std::uint64_t asked = 0;
   std::uint64_t answered = 0;
-  double mean_m = kNotMeasured;
-  double sd_m = kNotMeasured;
-  double median_m = kNotMeasured;
-  double p95_m = kNotMeasured;
-  double max_m = kNotMeasured;
+  double mean_m = kNaN;
+  double sd_m = kNaN;
+  double median_m = kNaN;
+  double p95_m = kNaN;
+  double max_m = kNaN;
   // 95 % interval of the mean, by Student's t over clusters, not over samples.
-  double mean_low_m = kNotMeasured, mean_high_m = kNotMeasured;
+  double mean_low_m = kNaN, mean_high_m = kNaN;
   std::uint64_t clusters = 0;  // with an answer
 };
 
 // One error and the cluster it belongs to: errors of one sensor have causes in common.
 struct ClusteredError {
   std::size_t cluster = 0;
-  double error_m = kNotMeasured;  // NaN: no answer
+  double error_m = kNaN;  // NaN: no answer
 };
 
 ErrorSpread spread_of(const std::vector<ClusteredError>& errors);
@@ -35,8 +35,8 @@ ErrorSpread spread_of(const std::vector<ClusteredError>& errors);
 // Means over the columns of a row that had a depth: the two outer parts, where the paper finds more error
 // (columns 0 to 149 and 351 to the last), and between.
 struct ColumnMeans {
-  double left = kNotMeasured, middle = kNotMeasured, right = kNotMeasured;
-  double edge = kNotMeasured;  // of all columns of both outer parts
+  double left = kNaN, middle = kNaN, right = kNaN;
+  double edge = kNaN;  // of all columns of both outer parts
 };
 ColumnMeans column_means(const std::vector<double>& by_column);
 

@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "datasets/base/document.h"
+#include "datasets/base/units.h"
 #include "datasets/results/results_file.h"
 
 namespace trilat {
-
-inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 // Where the true distance of the ball comes from.
 enum class WandTruth : std::uint8_t {
@@ -27,10 +26,10 @@ inline constexpr std::array words<WandTruth>{"stated", "optitrack", "sensors"};
 struct WandSample {
   std::size_t method = 0;  // of wand_method_names()
   std::size_t sensor = 0, place = 0;
-  double distance_m = 0.0;                 // true, from the sensor to the ball's centre
-  double angle_rad = kNotMeasured;         // true, from the lens' axis; NaN: not known
-  double distance_error_m = kNotMeasured;  // absolute; NaN: no answer
-  double error_m = kNotMeasured;  // in three dimensions; NaN: no answer, or only the distance is known
+  double distance_m = 0.0;         // true, from the sensor to the ball's centre
+  double angle_rad = kNaN;         // true, from the lens' axis; NaN: not known
+  double distance_error_m = kNaN;  // absolute; NaN: no answer
+  double error_m = kNaN;           // in three dimensions; NaN: no answer, or only the distance is known
 
   static constexpr bool kIsList = true;
   static void fields(auto& self, auto&& f) {
@@ -42,8 +41,8 @@ struct WandSample {
 // A sensor's pose by one way to calibrate, beside the one that the campaign states.
 struct PoseDifference {
   std::string method, sensor;
-  double position_m = kNotMeasured, rotation_rad = kNotMeasured;
-  double position_sigma_m = kNotMeasured, rotation_sigma_rad = kNotMeasured;  // stated, an axis
+  double position_m = kNaN, rotation_rad = kNaN;
+  double position_sigma_m = kNaN, rotation_sigma_rad = kNaN;  // stated, an axis
   std::string problem = {};  // reason why the method gives no pose; empty with one
 
   static void fields(auto& self, auto&& f) {
@@ -76,11 +75,11 @@ struct WandRecording {
 // A flat wall as one sensor saw it. Columns are those of the image's middle row.
 struct WallRow {
   std::string recording, sensor;
-  double stated_m = kNotMeasured;    // distance of the wall, where it is stated
-  double distance_m = kNotMeasured;  // of the fitted plane, along the lens' axis
-  double tilt_rad = kNotMeasured;    // between the plane's normal and the lens' axis
+  double stated_m = kNaN;    // distance of the wall, where it is stated
+  double distance_m = kNaN;  // of the fitted plane, along the lens' axis
+  double tilt_rad = kNaN;    // between the plane's normal and the lens' axis
   std::uint64_t frames = 0;
-  double noise_m = kNotMeasured;   // standard deviation of a pixel's depth over time; median over the wall
+  double noise_m = kNaN;           // standard deviation of a pixel's depth over time; median over the wall
   std::vector<double> residual_m;  // mean absolute difference of a column's depth from the plane
   std::vector<double> printed_error_m;  // sideways, of eq. 4 as printed (E2)
 

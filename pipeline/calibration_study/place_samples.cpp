@@ -89,7 +89,7 @@ void add_outcome(const std::vector<WandSighting>& sightings, PlaceOutcome& outco
   outcome.status.push_back(answered ? WandStatus::found : failure);
   outcome.centre_in_sensor_m.push_back(
       answered ? mean_of_rest(found, 0, WandPositionOptions{}.deviation).centre_in_sensor_m
-               : Eigen::Vector3d::Constant(kNotMeasured));
+               : Eigen::Vector3d::Constant(kNaN));
 }
 
 PlaceOutcome find_at(const SessionReader& session, const DepthFrames& frames, const WandPlace& place,
@@ -114,7 +114,7 @@ PlaceOutcome find_at(const SessionReader& session, const DepthFrames& frames, co
 
 // Where no angle is stated, a sample has the angle of the ball that our method found.
 void add_samples(const WandPlace& place, const PlaceOutcome& outcome, WandRecording& recording) {
-  double angle_rad = place.angle_rad.value_or(kNotMeasured);
+  double angle_rad = place.angle_rad.value_or(kNaN);
   if (const Eigen::Vector3d& found_m = outcome.centre_in_sensor_m.back();
       std::isnan(angle_rad) && found_m.allFinite())
     angle_rad = angle_of(found_m);

@@ -44,7 +44,7 @@ struct FoundBalls {
 double typical_off_m(const std::vector<double>& stated_m, const std::vector<double>& found_m) {
   std::vector<double> off_m;
   for (std::size_t i = 0; i < stated_m.size(); ++i) off_m.push_back(std::abs(found_m[i] - stated_m[i]));
-  return off_m.empty() ? kNotMeasured : median(off_m);
+  return off_m.empty() ? kNaN : median(off_m);
 }
 
 // The sensor that sees the ball where `stated` has it, at the same places; nothing when none does.

@@ -92,7 +92,7 @@ double noise_of(const PixelSums& sums, const DepthRays& rays, const WallPlane& p
     if (sums.count[i] > 1 && std::isfinite(rays.x[i]) &&
         std::abs(sums.mean_m(i) - plane.depth_m(double{rays.x[i]}, double{rays.y[i]})) <= kOnWall_m)
       deviations_m.push_back(sums.deviation_m(i));
-  return deviations_m.empty() ? kNotMeasured : median(std::move(deviations_m));
+  return deviations_m.empty() ? kNaN : median(std::move(deviations_m));
 }
 
 // Mean absolute errors of the middle row's columns over all frames: of the depth from the plane, and of a
@@ -120,7 +120,7 @@ void add_columns(const SessionReader& session, std::size_t sensor, const DepthRa
   }
   for (std::size_t c = 0; c < count.size(); ++c)
     for (auto* sums : {&row.residual_m, &row.printed_error_m})
-      (*sums)[c] = count[c] == 0 ? kNotMeasured : (*sums)[c] / static_cast<double>(count[c]);
+      (*sums)[c] = count[c] == 0 ? kNaN : (*sums)[c] / static_cast<double>(count[c]);
 }
 
 WallRow measure_sensor(const SessionReader& session, std::size_t sensor, const Watch& watch) {
@@ -160,7 +160,7 @@ WallRecording measure_wall(const FlatWall& wall, const Watch& watch) {
   recording.rows.resize(session.header().sensors.size());
   parallel_for_index(recording.rows.size(), 1, [&](std::size_t s) {
     recording.rows[s] = measure_sensor(session, s, watch);
-    recording.rows[s].stated_m = wall.distance_m.value_or(kNotMeasured);
+    recording.rows[s].stated_m = wall.distance_m.value_or(kNaN);
   });
   constexpr double kMaxOff_m = 0.15;
   for (const WallRow& row : recording.rows)

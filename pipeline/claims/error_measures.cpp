@@ -336,7 +336,7 @@ Numbers claimed_numbers(const StudyErrors& errors) {
     const auto n = static_cast<std::uint64_t>(found->n);
     numbers.add({key, e.value, e.low(), e.high(), n, e.clusters, e.p_value()});
     if (std::isfinite(found->compared))
-      numbers.add({key.with({.statistic = "share_compared"}), found->compared, kNoNumber, kNoNumber, n});
+      numbers.add({key.with({.statistic = "share_compared"}), found->compared, kNaN, kNaN, n});
   }
   return numbers;
 }

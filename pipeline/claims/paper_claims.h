@@ -27,7 +27,7 @@ struct ClaimedNumber {
 // Which claims count as one of a family of tests.
 enum class ClaimKind : std::uint8_t {
   tested,       // its probability is corrected for how many are tested (Holm 1979)
-  listed,       // decided by what is listed whole: no probability
+  join_names,   // decided by what is listed whole: no probability
   contradicts,  // by the paper's own numbers
   untestable,   // here; `why` says what would have to be
 };

@@ -89,7 +89,7 @@ fs::path nearest_file(const std::string& name, fs::path from, const fs::path& to
 // evaluated without it.
 bool is_mocap(const fs::path& file) {
   if (!std::set<std::string>{".csv", ".trc", ".c3d"}.contains(file.extension().string())) return false;
-  return begins_as_mocap(file) && !read_mocap_header(file).assets.empty();
+  return is_mocap_file(file) && !read_mocap_header(file).assets.empty();
 }
 
 // A table beside a recording that is in no format that is read.
@@ -363,7 +363,7 @@ int print_mapping(const std::filesystem::path& file) {
   fmt::print(stderr,
              "{} joints by their names; look at them: a bone gives its upper joint, a marker lies on the "
              "skin. Without a name that is known: {}\n",
-             mapping.joints.size(), listed(left));
+             mapping.joints.size(), join_names(left));
   return kDone;
 }
 
@@ -381,7 +381,7 @@ int init(const InitArguments& given) {
   Found found = look_around(arguments, campaign);
   Json paths = Json::array();
   for (const FoundTake& f : found.takes) paths.push_back(f.take.session.string());
-  exact_json_text(paths, 0);  // before anything is written
+  utf8_json_text(paths, 0);  // before anything is written
   add_mapping(arguments, found);
   const fs::path mapping = arguments.folder / "mapping.json";
   if (!found.mapping.joints.empty()) write_mapping(mapping, found.mapping);

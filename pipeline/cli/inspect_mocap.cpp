@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/cli/inspect_mocap.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>

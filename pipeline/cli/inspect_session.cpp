@@ -16,7 +16,6 @@
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
-#include "pipeline/cli/inspect_mocap.h"
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "recorders/capture.h"
@@ -40,16 +39,17 @@ struct InfoArguments {
 Json clock_json(const SessionReader& session, std::size_t sensor) {
   try {
     const SensorClockMap clock = fit_sensor_clock(session, sensor);
-    const auto& [doubt, lateness_median, lateness_p99, bend, bend_after, drift_left_out] = clock.stamps;
+    const auto& [uncertainty, lateness_median, lateness_p99, deviation, deviation_after, drift_left_out] =
+        clock.stamps;
     const SensorEpoch& longest = *std::ranges::max_element(clock.epochs, {}, &SensorEpoch::frames);
     return {{"sensor_restarts", clock.epochs.size() - 1},
             {"sensor_drift_ppm", 1e6 * longest.line.drift},
-            {"sensor_bend_s", bend.seconds()},
+            {"sensor_bend_s", deviation.seconds()},
             {"agent_drift_ppm", 1e6 * clock.agent.line.drift},
-            {"agent_bend_s", clock.agent.bend.seconds()},
-            {"offset_sigma_s", 1e-9 * static_cast<double>(doubt.sigma_ns)},
-            {"offset_bound_s", 1e-9 * static_cast<double>(doubt.bound_ns)},
-            {"outside_exchanges_s", doubt.outside.seconds()},
+            {"agent_bend_s", clock.agent.deviation.seconds()},
+            {"offset_sigma_s", 1e-9 * static_cast<double>(uncertainty.sigma_ns)},
+            {"offset_bound_s", 1e-9 * static_cast<double>(uncertainty.bound_ns)},
+            {"outside_exchanges_s", uncertainty.outside.seconds()},
             {"lateness_median_s", lateness_median.seconds()},
             {"lateness_p99_s", lateness_p99.seconds()},
             {"exchanges_used", clock.agent.exchanges_used},
@@ -232,11 +232,11 @@ int verify(const VerifyArguments& arguments) {
       list.push_back({{"severity", std::string(name_of(f.severity))},
                       {"place", f.place},
                       {"text", f.text},
-                      {"endangers", f.endangers}});
+                      {"endangers", f.affects}});
     const Json json{{"sound", errors == 0}, {"errors", errors}, {"findings", list}};
     fmt::print("{}\n", json_text(json, 2));
   } else {
-    std::set<std::string> told;  // what several findings endanger is said once
+    std::set<std::string> reported;  // what several findings endanger is said once
     std::map<std::string, std::size_t> alike;
     for (const Finding& f : findings) ++alike[kind_of(f)];
     for (const Finding& f : findings) {
@@ -247,11 +247,11 @@ int verify(const VerifyArguments& arguments) {
           "{}: {}: {}{}{}\n", name_of(f.severity),
           is_error ? f.place : f.place.substr(f.place.find(":/") + 1), f.text,
           !is_error && others > 1 ? fmt::format("; {} more of the kind", others - 1) : "",
-          told.insert(f.endangers).second && !f.endangers.empty() ? " (endangers " + f.endangers + ")" : "");
+          reported.insert(f.affects).second && !f.affects.empty() ? " (endangers " + f.affects + ")" : "");
     }
     fmt::print("{}: {}{}\n", arguments.session.string(),
                errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"),
-               sees_nobody(session) ? ", but no sensor sees anybody: no frame holds a body" : "");
+               has_no_bodies(session) ? ", but no sensor sees anybody: no frame holds a body" : "");
   }
   return errors == 0 ? kDone : kItemsFailed;
 }

@@ -11,7 +11,7 @@
 namespace trilat {
 namespace {
 
-int told(const char* text, int code) {
+int reported(const char* text, int code) {
   std::fprintf(stderr, "trilat: %s\n", text);
   return code;
 }
@@ -21,18 +21,18 @@ int exit_code_of_exception() {
   try {
     throw;
   } catch (const InputError& error) {
-    return told(error.what(), kBadInput);
+    return reported(error.what(), kBadInput);
   } catch (const Interrupted&) {
-    return told("interrupted", kInterrupted);
+    return reported("interrupted", kInterrupted);
   } catch (const std::bad_alloc&) {
-    return told("there is not enough memory", kBadInput);
+    return reported("there is not enough memory", kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {
-    return told((error.path1().string() + ": " + error.code().message()).c_str(), kBadInput);
+    return reported((error.path1().string() + ": " + error.code().message()).c_str(), kBadInput);
   } catch (const std::system_error& error) {  // of fmt, when stdout cannot be written
-    return told(error.what(), kBadInput);
+    return reported(error.what(), kBadInput);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "trilat: this is a bug of the program, please report it: %s\n", error.what());
-    return kOurBug;
+    return kInternalError;
   }
 }
 

@@ -49,11 +49,11 @@ Json schema_of_document(const Document& document) {
   return schema;
 }
 
-std::string markdown_of_document(const Document& document, std::set<std::string>& told) {
+std::string markdown_of_document(const Document& document, std::set<std::string>& reported) {
   std::string text;
   for (const auto& [kind, make] : document.schemas)
     text += markdown_of_schema(
-        make(), kind.empty() ? document.name + ".json" : fmt::format("Study of kind `{}`", kind), told);
+        make(), kind.empty() ? document.name + ".json" : fmt::format("Study of kind `{}`", kind), reported);
   return text;
 }
 
@@ -64,8 +64,8 @@ int schema(const SchemaArguments& arguments) {
         "# Keys of the documents that users write\n\n"
         "Made by `trilat schema --markdown`; `trilat schema study` gives the same as JSON Schema, whose "
         "place a document may name as its `$schema`.\n");
-    std::set<std::string> told;
-    for (const Document& document : all) fmt::print("{}", markdown_of_document(document, told));
+    std::set<std::string> reported;
+    for (const Document& document : all) fmt::print("{}", markdown_of_document(document, reported));
     return kDone;
   }
   const auto found = std::ranges::find(all, arguments.document, &Document::name);

@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> files_of(const SimulateArguments& arguments, 
 void print_campaign(const std::filesystem::path& folder, const SimulationSpec& spec, bool as_json) {
   const Campaign campaign = read_campaign(folder);
   for (const Take& take : campaign.takes)
-    if (sees_nobody(SessionReader(take.session)))
+    if (has_no_bodies(SessionReader(take.session)))
       fmt::print(stderr, "warning: {}: no sensor sees anybody: do those of \"rig\" look at \"centre_m\"?\n",
                  take.id);
   const std::filesystem::path wand = folder / "wand";

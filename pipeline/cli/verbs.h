@@ -16,7 +16,7 @@ enum ExitCode {
   kItemsFailed = 1,
   kBadInput = 2,
   kNotJudged = 3,
-  kOurBug = 70,
+  kInternalError = 70,
   kInterrupted = 130  // by Ctrl-C or SIGTERM: the same line goes on
 };
 
@@ -77,5 +77,8 @@ void add_run(CLI::App& app, int& code);
 void add_schema(CLI::App& app, int& code);
 void add_simulate(CLI::App& app, int& code);
 void add_verify(CLI::App& app, int& code);
+
+// `trilat info` of motion capture: format, rate, unit, every asset with samples, gaps, frozen stretches.
+int info_of_mocap(const std::filesystem::path& file, bool json);
 
 }  // namespace trilat

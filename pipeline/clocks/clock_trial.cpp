@@ -8,13 +8,14 @@
 #include <span>
 
 #include "datasets/base/error.h"
+#include "datasets/base/units.h"
 #include "datasets/session/clock/live_clock.h"
 #include "datasets/session/clock/true_clocks.h"
 
 namespace trilat {
 namespace {
 
-constexpr double kNoTime_s = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoTime_s = kNaN;
 constexpr std::uint64_t kBlock = 4096;
 
 // Delays of the answers, by when they were received.

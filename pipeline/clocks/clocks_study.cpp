@@ -15,7 +15,6 @@
 #include "datasets/results/figure.h"
 #include "evaluators/metrics/statistics.h"
 #include "pipeline/clocks/clock_trial.h"
-#include "pipeline/clocks/clocks_tables.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_run.h"
 
@@ -85,15 +84,14 @@ Numbers machine_numbers(const ClockTrial& trial, const TrialErrors& errors, doub
   const std::size_t frames = trial.frames.size();
   Numbers numbers;
   const auto add = [&](const char* measure, const char* statistic, double value, std::uint64_t n) {
-    numbers.add(
-        {errors.with_unit({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+    numbers.add({errors.with_unit({.measure = measure, .statistic = statistic}), value, kNaN, kNaN, n});
   };
   const double sigma_s = 1e-9 * static_cast<double>(clock.sigma_ns()),
                bound_s = 1e-9 * static_cast<double>(clock.bound_ns);
   add("clock_fit", "share_used", share_of(clock.exchanges_used, clock.exchanges), clock.exchanges);
   add("clock_fit", "sigma", sigma_s, clock.exchanges);
   add("clock_fit", "bound", bound_s, clock.exchanges);
-  add("clock_fit", "bend", clock.bend.seconds(), clock.exchanges);
+  add("clock_fit", "bend", clock.deviation.seconds(), clock.exchanges);
   const std::vector<double>& offline_s = errors.by_method_s[static_cast<std::size_t>(ClockMethod::offline)];
   const double limit_s = bound_s + kSigmas * sigma_s;
   const auto within = std::ranges::count_if(offline_s, [&](double e) { return std::abs(e) <= limit_s; });
@@ -153,14 +151,14 @@ void add_queue(std::size_t method, std::size_t way, const std::vector<TrialError
   if (all.untimed == all.came) return;
   for (const TrialErrors& trial : trials) {
     const QueueCounts& counts = trial.queues[method][way];
-    numbers.add({trial.with_unit(key.with({.statistic = "taken"})), share_of(counts.taken, counts.came),
-                 kNoNumber, kNoNumber, counts.came});
+    numbers.add({trial.with_unit(key.with({.statistic = "taken"})), share_of(counts.taken, counts.came), kNaN,
+                 kNaN, counts.came});
   }
   for (const auto& [statistic, count] : {std::pair{"came", all.came},
                                          {"untimed", all.untimed},
                                          {"too_early", all.too_early},
                                          {"too_late", all.too_late}})
-    numbers.add({key.with({.statistic = statistic}), share_of(count, all.came), kNoNumber, kNoNumber, count});
+    numbers.add({key.with({.statistic = statistic}), share_of(count, all.came), kNaN, kNaN, count});
   add_share(key.with({.statistic = "taken"}), taken, came, all.taken, numbers);
 }
 
@@ -304,10 +302,10 @@ void add_clock_errors(const std::string& method, const std::vector<UnitErrors>& 
     wholly += fair == of;
     const NumberKey own = key.with({.group = unit.sensor, .take = unit.take});
     for (const auto& [name, count] : {std::pair{kTimeRanges[0].share, good}, {kShareBelow4ms, fair}})
-      numbers.add({own.with({.statistic = name}), share_of(count, of), kNoNumber, kNoNumber, of});
+      numbers.add({own.with({.statistic = name}), share_of(count, of), kNaN, kNaN, of});
   }
   const auto add = [&](const char* statistic, double value, std::uint64_t n) {
-    numbers.add({key.with({.statistic = statistic}), value, kNoNumber, kNoNumber, n});
+    numbers.add({key.with({.statistic = statistic}), value, kNaN, kNaN, n});
   };
   add_share(key.with({.statistic = kTimeRanges[0].share}), below_2ms, asked, frames, numbers);
   std::uint64_t before = count_below(all_s, kTimeRanges[0].below_s);

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "datasets/results/numbers.h"
+#include "datasets/results/table.h"
 #include "datasets/rig/campaign.h"
+#include "pipeline/clocks/clocks_summary.h"
 #include "pipeline/study/recordings.h"
 #include "pipeline/study/study.h"
 
@@ -43,5 +45,9 @@ struct UnitErrors {
 };
 // Adds the numbers of measure "clock_error" (see ClocksSummary) of one method; none where it answers nowhere.
 void add_clock_errors(const std::string& method, const std::vector<UnitErrors>& units, Numbers& numbers);
+
+// Table IV beside the paper's: clock errors, what the queue drops, each computer's clock and the way of its
+// frames; the paper's processing time stands by itself, since nothing here can test it.
+StoredTables clocks_tables(const ClocksSummary& summary);
 
 }  // namespace trilat

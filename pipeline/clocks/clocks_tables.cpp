@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/clocks/clocks_tables.h"
-
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
+#include "pipeline/clocks/clocks_study.h"
 
 namespace trilat {
 namespace {

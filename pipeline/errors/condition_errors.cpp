@@ -131,7 +131,7 @@ double CellSums::length_at(std::uint64_t place) const {
 }
 
 double CellSums::quantile_m(double q) const {
-  if (answered == 0) return kNoNumber;
+  if (answered == 0) return kNaN;
   const double place = q * static_cast<double>(answered - 1);
   const auto below = static_cast<std::uint64_t>(place);
   const double low_m = length_at(below), high_m = length_at(std::min(below + 1, answered - 1));

@@ -23,7 +23,7 @@ constexpr std::array kAxes{"x", "y", "z"};
 constexpr std::pair<const char*, double> kQuantiles[]{{"p05", 0.05}, {"p25", 0.25}, {"median", 0.5},
                                                       {"p75", 0.75}, {"p90", 0.9},  {"p95", 0.95}};
 
-double quotient(double sum, std::uint64_t n) { return n == 0 ? kNoNumber : sum / static_cast<double>(n); }
+double quotient(double sum, std::uint64_t n) { return n == 0 ? kNaN : sum / static_cast<double>(n); }
 
 Agreement agreement_of(const MeasureSums& sums) {
   std::vector<DifferenceSums> clusters;
@@ -120,7 +120,7 @@ class StudyNumbers {
   }
 
   void add(const NumberKey& key, const char* measure, const char* statistic, double value, std::uint64_t n) {
-    numbers_.add({key.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+    numbers_.add({key.with({.measure = measure, .statistic = statistic}), value, kNaN, kNaN, n});
   }
   // A number with the interval of `e`, from `low` on.
   void add(const NumberKey& key, const char* measure, const char* statistic, const Estimate& e, double low,
@@ -149,7 +149,7 @@ class StudyNumbers {
       if (counts.statuses[s] > 0)
         numbers_.add(
             {key.with({.measure = "status", .statistic = std::string(name_of(static_cast<SolveStatus>(s)))}),
-             quotient(static_cast<double>(counts.statuses[s]), counts.asked), kNoNumber, kNoNumber,
+             quotient(static_cast<double>(counts.statuses[s]), counts.asked), kNaN, kNaN,
              counts.statuses[s]});
   }
 
@@ -176,7 +176,7 @@ class StudyNumbers {
       numbers_.add({key.with({.measure = measure, .statistic = statistic}), value, low, high, n, a.persons});
     };
     add("bias", a.bias, a.bias_low, a.bias_high);
-    add("sd", a.sd, kNoNumber, kNoNumber);
+    add("sd", a.sd, kNaN, kNaN);
     add("lower_limit", a.lower, a.lower_low, a.lower_high);
     add("upper_limit", a.upper, a.upper_low, a.upper_high);
   }

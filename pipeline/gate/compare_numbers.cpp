@@ -74,12 +74,12 @@ void compare_numbers(const std::string& study, const Numbers& before, const Numb
     finding.unit = unit_of(key);
     finding.before = before_value;
     finding.now = now_value;
-    finding.percent = std::abs(before_value) <= least ? kNoNumber : percent_of(now_value, before_value);
+    finding.percent = std::abs(before_value) <= least ? kNaN : percent_of(now_value, before_value);
     findings.push_back(std::move(finding));
   };
   for (const Number& number : now.all()) add(number, before.value(number), number.value);
   for (const Number& number : before.all())
-    if (!now.find(number)) add(number, number.value, kNoNumber);
+    if (!now.find(number)) add(number, number.value, kNaN);
   add_largest(study, std::move(findings), report);
 }
 

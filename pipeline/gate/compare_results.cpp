@@ -61,11 +61,9 @@ struct BothSums {
     if (now.answered > 0) length_now_m += static_cast<double>(now.answered) * now.mae_m;
   }
   double before_m() const {
-    return compared_before == 0 ? kNoNumber : length_before_m / static_cast<double>(compared_before);
+    return compared_before == 0 ? kNaN : length_before_m / static_cast<double>(compared_before);
   }
-  double now_m() const {
-    return compared_now == 0 ? kNoNumber : length_now_m / static_cast<double>(compared_now);
-  }
+  double now_m() const { return compared_now == 0 ? kNaN : length_now_m / static_cast<double>(compared_now); }
 };
 
 // Takes of which a method answers other samples now.
@@ -217,7 +215,7 @@ void compare_failures(const std::string& study, const ResultsSummary& before, co
     const bool was_there = earlier != before.cross_checks.end();
     if (check.passed() || (was_there && !earlier->passed())) continue;
     add_failure(study, "the cross-check of " + check.method + " with Ceres fails",
-                was_there ? earlier->worst_m : kNoNumber, check.worst_m,
+                was_there ? earlier->worst_m : kNaN, check.worst_m,
                 check.samples == 0 ? "nothing was compared" : "worst at " + check.worst_at, report);
   }
 }
@@ -229,7 +227,7 @@ class Comparison {
   void compare(const ResultsPair& pair) {
     StudyVerdict verdict{pair.now.name, name_of(pair.now.kind), StudyState::compared, {}, "", 0};
     if (pair.now.kind != pair.before.kind) {
-      add_failure(pair.now.name, "is a study of another kind", kNoNumber, kNoNumber,
+      add_failure(pair.now.name, "is a study of another kind", kNaN, kNaN,
                   name_of(pair.before.kind) + " before, " + name_of(pair.now.kind) + " now", report_);
     } else if (pair.now.summary == pair.before.summary && pair.now.numbers == pair.before.numbers) {
       verdict.state = StudyState::identical;
@@ -269,7 +267,7 @@ class Comparison {
                          before = read_results<ResultsSummary>(pair.before.folder);
     compare_failures(pair.now.name, before, now, report_);
     if (!are_comparable(before, now)) {
-      add_failure(pair.now.name, "errors are measured in another way", kNoNumber, kNoNumber,
+      add_failure(pair.now.name, "errors are measured in another way", kNaN, kNaN,
                   fmt::format("alignment {} against {} before, {} against {} now", before.alignments.front(),
                               before.truth, now.alignments.front(), now.truth),
                   report_);
@@ -414,7 +412,7 @@ double compare_people(const std::string& study, const ErrorsByJoint& before, con
                       const GateLimits& limits, GateReport& report) {
   constexpr double kPower = 0.95;
   const std::optional<ErrorChanges> changes = changes_between(before, now);
-  if (!changes) return kNoNumber;
+  if (!changes) return kNaN;
   std::vector<double> found_percent;
   const double level = limits.chance / static_cast<double>(changes->rows.size());
   for (const ErrorChange& row : changes->rows) {
@@ -434,7 +432,7 @@ double compare_people(const std::string& study, const ErrorsByJoint& before, con
     finding.clusters = row.clusters;
     report.findings.push_back(std::move(finding));
   }
-  if (found_percent.empty()) return kNoNumber;
+  if (found_percent.empty()) return kNaN;
   std::ranges::sort(found_percent);
   return found_percent[found_percent.size() / 2];
 }

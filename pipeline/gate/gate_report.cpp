@@ -171,7 +171,7 @@ bool is_same(double a, double b) {
 }
 
 double percent_of(double now, double before) {
-  return before == 0.0 ? kNoNumber : 100.0 * (now - before) / std::abs(before);
+  return before == 0.0 ? kNaN : 100.0 * (now - before) / std::abs(before);
 }
 
 std::uint64_t GateReport::alarms() const {

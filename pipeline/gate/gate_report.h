@@ -45,11 +45,11 @@ struct GateFinding : CellName {
   Direction direction = Direction::changed;
   bool alarm = false;
   std::string what;  // what was measured; of a number its place
-  double before = kNoNumber, now = kNoNumber;
+  double before = kNaN, now = kNaN;
   std::string unit;  // of before and now: "m" is printed in centimetres
   // percent: the change as a share of `before`, NaN where `before` is zero. Where recordings differ, low and
   // high bound its 95 % interval, and chance is its probability by chance, corrected for all comparisons.
-  double percent = kNoNumber, low = kNoNumber, high = kNoNumber, chance = kNoNumber;
+  double percent = kNaN, low = kNaN, high = kNaN, chance = kNaN;
   std::uint64_t clusters = 0;  // participants behind the interval
   std::string note;            // a sentence more: exact counts, which take
   std::string since;  // the first of the nights in a row that raised this alarm; empty when not known

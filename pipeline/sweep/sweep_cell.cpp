@@ -103,7 +103,7 @@ Numbers numbers_of(const SweepSums& sums, const NumberKey& cell) {
   Numbers numbers;
   const auto asked = static_cast<double>(sums.asked), answered = static_cast<double>(sums.answered);
   const auto add = [&](const char* measure, const char* statistic, double value, std::uint64_t n) {
-    numbers.add({cell.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+    numbers.add({cell.with({.measure = measure, .statistic = statistic}), value, kNaN, kNaN, n});
   };
   if (sums.answered > 0) {
     const double mean_m = sums.distance_m / answered, mean_square_m2 = sums.square_m2 / answered;

@@ -84,7 +84,7 @@ std::vector<Quantity> quantities(const SweepSummary& s, const SweepTimings& timi
                      return FigurePoint{0.0, timings.solve_us.at(c)};
                    },
                    [](const PrintedTable1::Row& row, std::size_t r) {
-                     return row.time_is_below ? kNoNumber : row.time_us[r];
+                     return row.time_is_below ? kNaN : row.time_us[r];
                    }});
   return all;
 }

@@ -141,7 +141,7 @@ void gather_times(const SweepSpec& spec, const std::vector<Cells>& items, const 
   for (std::size_t i = 0; i < items.size(); ++i) {
     const auto of_item = read_beside<SweepTimings>(run.outcome(i).folder);
     for (std::size_t cell = 0; cell < items[i].count; ++cell)
-      all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : kNoNumber);
+      all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : kNaN);
   }
   write_beside(folder, all);
 }

@@ -29,7 +29,7 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
   // NaN without this interpretation.
   const auto of_cell = [&s](Chosen interpretation, auto get) {
     return [=, &s](const Place& p) {
-      return interpretation ? get(s.number_of(*interpretation, p.threshold, p.range)) : kNoNumber;
+      return interpretation ? get(s.number_of(*interpretation, p.threshold, p.range)) : kNaN;
     };
   };
   const auto number = [&](Chosen interpretation, const NumberKey& what) {
@@ -38,7 +38,7 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
   const auto error = [&](Chosen interpretation) { return in_cm(number(interpretation, kSweptError)); };
   const auto time = [&](Chosen interpretation) {
     return as_number(2, of_cell(interpretation, [&](std::size_t cell) {
-                       return timings.problems > 0 ? timings.solve_us.at(cell) : kNoNumber;
+                       return timings.problems > 0 ? timings.solve_us.at(cell) : kNaN;
                      }));
   };
   const auto steps = [&](Chosen interpretation) { return as_number(1, number(interpretation, kSweptSteps)); };
@@ -158,14 +158,11 @@ void add_interpretations(SweepSummary& s) {
   }
   s.numbers.add({{.measure = "interpretations", .statistic = "share_near"},
                  share_of(near, s.interpretations()),
-                 kNoNumber,
-                 kNoNumber,
+                 kNaN,
+                 kNaN,
                  s.interpretations()});
-  s.numbers.add({{.measure = "interpretations", .statistic = "share"},
-                 share_of(compromise, near),
-                 kNoNumber,
-                 kNoNumber,
-                 near});
+  s.numbers.add(
+      {{.measure = "interpretations", .statistic = "share"}, share_of(compromise, near), kNaN, kNaN, near});
 }
 
 std::vector<Table> table1(const SweepSummary& s, const SweepTimings& timings) {

@@ -74,14 +74,14 @@ bool AgentSender::pause(milliseconds duration) {
 }
 
 void AgentSender::keep_connected() {
-  milliseconds delay = options_.first_retry;
+  milliseconds delay = options_.min_retry_delay;
   std::string said;
   bool was_connected = false;
   do {
     std::string problem;
     try {
       const auto stream = connect_();
-      if (serve(*stream)) was_connected = true, delay = options_.first_retry;
+      if (serve(*stream)) was_connected = true, delay = options_.min_retry_delay;
       continue;  // with a new log, or for good
     } catch (const LinkLost& lost) {
       problem = lost.what();
@@ -91,11 +91,11 @@ void AgentSender::keep_connected() {
       refusal_ = error.what();
       return;
     }
-    if (connected_.exchange(false)) was_connected = true, delay = options_.first_retry;
+    if (connected_.exchange(false)) was_connected = true, delay = options_.min_retry_delay;
     const std::string news =
         (was_connected ? "the recorder is gone (" : "the recorder does not answer yet (") + problem +
         "); trying again";
-    if (news != std::exchange(said, news)) options_.on_news(news);
+    if (news != std::exchange(said, news)) options_.on_status_change(news);
     if (!pause(delay)) return;
     delay = std::min(2 * delay, options_.last_retry);
   } while (!ended_);
@@ -106,7 +106,7 @@ void AgentSender::receive(ByteStream& stream, MessageReader& reader, millisecond
   const std::size_t count = stream.read_some(block, at_most);
   reader.add(std::span<const std::byte>(block).first(count));
   if (count > 0) heard_ = Clock::now();
-  if (Clock::now() - heard_ > options_.silence_limit) throw LinkLost("it has fallen silent");
+  if (Clock::now() - heard_ > options_.idle_timeout) throw LinkLost("it has fallen silent");
 }
 
 void AgentSender::take(const Message& message) {
@@ -133,7 +133,7 @@ std::uint64_t AgentSender::wait_for_welcome(ByteStream& stream, MessageReader& r
       while (const auto message = reader.next()) {
         if (const auto* welcome = std::get_if<WelcomeMessage>(&*message)) {
           recording_ = welcome->recording;
-          if (!connected_.exchange(true)) options_.on_news("the recorder takes what comes");
+          if (!connected_.exchange(true)) options_.on_status_change("the recorder takes what comes");
           return welcome->offset;
         }
         take(*message);
@@ -207,7 +207,7 @@ void AgentSender::exchange_stamps(ByteStream& stream) {
     stream.write_all(encode_message(PingMessage{}));
     const Clock::time_point start = Clock::now();
     std::byte block[256];
-    while (!ended_ && Clock::now() - start < options_.silence_limit) {
+    while (!ended_ && Clock::now() - start < options_.idle_timeout) {
       reader.add(std::span<const std::byte>(block).first(stream.read_some(block, kPollPeriod)));
       answered_ns = host_now_ns();
       while (const auto message = reader.next()) {

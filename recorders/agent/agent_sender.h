@@ -18,14 +18,13 @@
 namespace trilat {
 
 struct SenderOptions {
-  std::string name;       // of the agent
-  std::uint64_t run = 0;  // any number, but another one for each run of the agent
-  std::chrono::milliseconds silence_limit{
-      5000};  // without a word of the recorder, the connection is given up
-  std::chrono::milliseconds first_retry{100}, last_retry{2000};  // doubled in between
-  std::chrono::milliseconds exchange_period{250};                // of clock stamps
+  std::string name;                              // of the agent
+  std::uint64_t run = 0;                         // any number, but another one for each run of the agent
+  std::chrono::milliseconds idle_timeout{5000};  // without a word of the recorder, the connection is given up
+  std::chrono::milliseconds min_retry_delay{100}, last_retry{2000};  // doubled in between
+  std::chrono::milliseconds exchange_period{250};                    // of clock stamps
   // Lost, back, refused for now: a line for a person. Any thread.
-  std::function<void(const std::string&)> on_news = [](const std::string&) {};
+  std::function<void(const std::string&)> on_status_change = [](const std::string&) {};
   // Any thread.
   std::function<void(const ClockExchange&)> on_exchange = [](const ClockExchange&) {};
 };

@@ -22,7 +22,7 @@
 namespace trilat {
 namespace {
 
-constexpr int kDone = 0, kFramesLost = 1, kBadInput = 2, kOurBug = 70;
+constexpr int kDone = 0, kFramesLost = 1, kBadInput = 2, kInternalError = 70;
 
 std::atomic<int> stop_signals{0};
 
@@ -118,7 +118,7 @@ int run(const Arguments& a) {
   options.connect = connect_of(a);
   std::int64_t end_ns = 0;  // not before the source is there, which may take seconds to wake up
   options.stop_requested = [&] { return stop_signals > 0 || (end_ns != 0 && host_now_ns() >= end_ns); };
-  options.on_news = say;
+  options.on_status_change = say;
   std::vector<std::unique_ptr<FrameSource>> source;
   source.push_back(source_of(a.source));
   handle_signals();
@@ -197,7 +197,7 @@ int guarded_main(int argc, char** argv) {
     return kBadInput;
   } catch (const std::exception& error) {
     say(std::string("this is a bug of the program, please report it: ") + error.what());
-    return kOurBug;
+    return kInternalError;
   }
 }
 

@@ -35,7 +35,7 @@ class Agent {
     SenderOptions link = options.link;
     link.name = options.name;
     link.run = std::uint64_t{std::random_device{}()} << 32 | std::random_device{}();
-    link.on_news = options.on_news;
+    link.on_status_change = options.on_status_change;
     link.on_exchange = [this](const ClockExchange& exchange) {
       const std::lock_guard lock(spool_mutex_);
       if (spool_) spool_->add_exchange(exchange);
@@ -103,17 +103,17 @@ class Agent {
       if (Clock::now() - looked < kNewsPeriod) continue;
       looked = Clock::now();
       spool_->look_after();
-      for (const std::string& text : spool_->take_notices()) options_.on_news(text);
+      for (const std::string& text : spool_->take_notices()) options_.on_status_change(text);
       show_newest();
       mind_disk();
       if (sender_ && sender_->recording() != recording_) change_log();
       if (const std::string refusal = sender_ ? sender_->refusal() : "";
           !std::exchange(is_refused_, !refusal.empty()) && is_refused_)
-        options_.on_news("the recorder refuses this agent: " + refusal + "; it goes on recording into " +
-                         log_path_.string());
+        options_.on_status_change("the recorder refuses this agent: " + refusal +
+                                  "; it goes on recording into " + log_path_.string());
       if (Clock::now() - shown > std::chrono::seconds(10)) {
         shown = Clock::now();
-        options_.on_news(status_text());
+        options_.on_status_change(status_text());
       }
     }
   }
@@ -133,8 +133,8 @@ class Agent {
     before->finish();
     if (before->written_bytes() > acknowledged)
       left_.push_back({path, before->written_bytes() - acknowledged});
-    options_.on_news("another recording has begun; what the one before did not take lies in " +
-                     path.string());
+    options_.on_status_change("another recording has begun; what the one before did not take lies in " +
+                              path.string());
   }
 
   // Room is made by dropping what the recorder has; where that is not enough, frames are dropped and counted.
@@ -145,7 +145,8 @@ class Agent {
     if (space.available < options_.reserve_bytes && sender_) log_->release(sender_->acknowledged());
     const bool full = space.available < options_.reserve_bytes / 4;
     if (full != std::exchange(is_full_, full))
-      options_.on_news(full ? "the disk is full: frames are lost, and counted" : "the disk has room again");
+      options_.on_status_change(full ? "the disk is full: frames are lost, and counted"
+                                     : "the disk has room again");
     spool_->set_disk_full(full);
   }
 
@@ -153,7 +154,7 @@ class Agent {
     Clock::time_point progress = Clock::now();
     for (std::uint64_t before = 0; sender_->acknowledged() < log_->written_bytes();) {
       if (std::exchange(before, sender_->acknowledged()) != sender_->acknowledged()) progress = Clock::now();
-      if (Clock::now() - progress > options_.farewell_limit || !sender_->refusal().empty()) return;
+      if (Clock::now() - progress > options_.shutdown_timeout || !sender_->refusal().empty()) return;
       if (sender_->recording() != recording_) return;
       std::this_thread::sleep_for(kPollPeriod);
     }

@@ -21,10 +21,10 @@ struct AgentOptions {
   SpoolOptions spool = {};
   std::uint64_t reserve_bytes = std::uint64_t{256} << 20;  // of the disk
   // How long the end may wait for a recorder that takes nothing.
-  std::chrono::milliseconds farewell_limit{30000};
+  std::chrono::milliseconds shutdown_timeout{30000};
   SenderOptions link = {};
   std::function<bool()> stop_requested = [] { return false; };
-  std::function<void(const std::string&)> on_news = [](const std::string&) {
+  std::function<void(const std::string&)> on_status_change = [](const std::string&) {
   };  // a line for a person; any thread
 };
 

@@ -239,7 +239,7 @@ void KinectSource::mind_silence() {
     back.data = SourceNotice{"the Kinect delivers frames again"};
     return;
   }
-  if (now_ns - last_frame_ns_ < std::chrono::nanoseconds(options_.silence_limit).count()) return;
+  if (now_ns - last_frame_ns_ < std::chrono::nanoseconds(options_.idle_timeout).count()) return;
   say(available() ? "the Kinect is available but delivers no frames"
                   : "the Kinect is not available: unplugged or without power; waiting for it");
 }

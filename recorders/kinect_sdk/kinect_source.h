@@ -49,7 +49,7 @@ class TickSequence {
 
 struct KinectOptions {
   std::chrono::milliseconds first_frame_limit{15000};  // the sensor takes some seconds to wake up
-  std::chrono::milliseconds silence_limit{2000};       // without frames, then a notice says so
+  std::chrono::milliseconds idle_timeout{2000};        // without frames, then a notice says so
 };
 
 // Depth and bodies of this computer's Kinect v2 through the Kinect for Windows SDK 2.0, never colour. Either

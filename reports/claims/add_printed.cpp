@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "reports/claims/add_printed.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "datasets/paper/printed_tables.h"
+#include "reports/claims/claims.h"
 
 namespace trilat {
 namespace {

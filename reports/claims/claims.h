@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/results/figure.h"
 #include "datasets/results/paper_evidence.h"
 #include "datasets/results/table.h"
 
@@ -18,5 +19,10 @@ std::string numbers_text(const std::vector<ClaimNumber>& numbers);
 // Every erratum: what is printed, why it cannot be so, what replaces it, and the effect of the difference in
 // these results, where a study of it was run.
 Table errata_table(const PaperFindings& findings);
+
+// Adds what the paper prints to a table and a figure that say that its numbers belong beside: of Table III by
+// group, which is a column's key or a panel, and method.
+void add_printed(Table& table, bool simulated);
+void add_printed(Figure& figure);
 
 }  // namespace trilat

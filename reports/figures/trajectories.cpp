@@ -59,9 +59,8 @@ Path read_path(const StoredTake& samples, std::size_t joint) {
       path.truth_m.push_back(block.truth_m[(i * joints + joint) * 3 + 1]);
       for (std::size_t m = 0; m < methods; ++m) {
         const std::size_t slot = (i * joints + joint) * methods + m;
-        path.estimate_m[m].push_back(usable.contains(block.status[slot])
-                                         ? static_cast<double>(block.estimate_m[slot * 3 + 1])
-                                         : kNoNumber);
+        path.estimate_m[m].push_back(
+            usable.contains(block.status[slot]) ? static_cast<double>(block.estimate_m[slot * 3 + 1]) : kNaN);
       }
     }
   }

@@ -99,7 +99,7 @@ PackedReplay pack(const StoredTake& take, const ResultsSummary& summary) {
       packer.add([&](std::uint64_t i) {
         const std::size_t at = (i * joints + c / 3) * methods + m;
         return is_usable(head, block.status[at]) ? static_cast<double>(block.estimate_m[at * 3 + c % 3])
-                                                 : kNoNumber;
+                                                 : kNaN;
       });
   }
   const std::string title = summary.study + ": " + head.condition + ", take " + head.id;

@@ -14,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "datasets/base/units.h"
 #include "evaluators/wand/find_wand.h"
 #include "tests/support/depth_pictures.h"
 
@@ -97,7 +98,7 @@ double report(const char* name, const std::vector<Frame>& frames, Find find) {
     }
   }
   std::ranges::sort(errors_mm);
-  if (errors_mm.empty()) errors_mm.push_back(std::numeric_limits<double>::quiet_NaN());
+  if (errors_mm.empty()) errors_mm.push_back(trilat::kNaN);
   const double ms = 1000.0 * best_s / static_cast<double>(frames.size());
   std::printf(
       "%-22s %7.3f ms/frame  found %2zu of %zu, %d elsewhere; error median %.2f mm, largest %.2f mm\n", name,

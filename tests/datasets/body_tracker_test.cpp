@@ -121,17 +121,17 @@ TEST(BodyTracker, JitterIsWhiteAndOfTheDeclaredSize) {
   }
 }
 
-TEST(BodyTracker, WanderHasTheDeclaredSizeAndLosesItsMemoryAlongTheDeclaredPath) {
+TEST(BodyTracker, DriftHasTheDeclaredSizeAndLosesItsMemoryAlongTheDeclaredPath) {
   BodyTrackerSpec spec = exact_body_tracker();
-  spec.own_wander_sigma_m = {0.006, 0.007, 0.008, 0.01, 0.012, 0.015, 0.02, 0.009, 0.011, 0.013, 0.014};
-  spec.wander_path_m = 0.24;
+  spec.own_drift_sigma_m = {0.006, 0.007, 0.008, 0.01, 0.012, 0.015, 0.02, 0.009, 0.011, 0.013, 0.014};
+  spec.drift_path_m = 0.24;
   const auto errors = errors_of(spec, 9000, {}, 0.01);
   constexpr std::size_t kLag = 24;  // 0.24 m
   std::map<TrackerGroup, double> squares, counts;
   double product = 0.0, square = 0.0;
   for (std::size_t j = 0; j < kJointCount; ++j)
     for (std::size_t f = kLag; f < errors.size(); ++f) {
-      const double sigma = of_group(spec.own_wander_sigma_m, j);
+      const double sigma = of_group(spec.own_drift_sigma_m, j);
       const TrackerGroup group = tracker_group_of(static_cast<Joint>(j));
       squares[group] += errors[f][j].squaredNorm() / (3.0 * sigma * sigma);
       counts[group] += 1.0;
@@ -191,7 +191,7 @@ TwoViews two_views(const BodyTrackerSpec& spec, const Vector3d& one_m, const Vec
 TEST(BodyTracker, ErrorsSplitAlongAndAcrossTheRayAsDeclaredAndKeepTheirSum) {
   for (const double ratio : {0.2, 1.0, 4.0}) {
     BodyTrackerSpec spec = exact_body_tracker();
-    spec.wander_sigma_m = all_groups(0.03);
+    spec.drift_sigma_m = all_groups(0.03);
     spec.ray_ratio = ratio;
     const TwoViews views = two_views(spec, kFront, kLeft);
     EXPECT_NEAR(views.first.trace() / views.n / 3.0, 0.03 * 0.03, 0.03 * 0.03 * 0.05) << ratio;
@@ -210,9 +210,9 @@ TEST(BodyTracker, SensorsShareWhatIsCommonAndWhatGoesWithTheDirectionOfView) {
   for (const Case& c : {Case{&BodyTrackerSpec::bias_sigma_m, 1.0, 1.0},
                         {&BodyTrackerSpec::view_bias_sigma_m, 0.0, -1.0},
                         {&BodyTrackerSpec::own_bias_sigma_m, 0.0, 0.0},
-                        {&BodyTrackerSpec::wander_sigma_m, 1.0, 1.0},
-                        {&BodyTrackerSpec::view_wander_sigma_m, 0.0, -1.0},
-                        {&BodyTrackerSpec::own_wander_sigma_m, 0.0, 0.0}}) {
+                        {&BodyTrackerSpec::drift_sigma_m, 1.0, 1.0},
+                        {&BodyTrackerSpec::view_drift_sigma_m, 0.0, -1.0},
+                        {&BodyTrackerSpec::own_drift_sigma_m, 0.0, 0.0}}) {
     BodyTrackerSpec spec = exact_body_tracker();
     spec.*c.part = all_groups(0.03);
     const TwoViews beside = two_views(spec, kFront, kLeft), opposite = two_views(spec, kFront, kBack);

@@ -21,7 +21,7 @@ std::vector<Hardship> hardships() {
           {"two exchanges", {.exchanges_until_s = 0.25}},
           {"a queue on the way back", {.jitter_back_ms = 20.0}},
           {"a queue on the way there", {.jitter_ms = 20.0, .jitter_back_ms = 0.5}},
-          {"a queue and a wandering clock", {.wander_ms = 2.0, .jitter_back_ms = 20.0}},
+          {"a queue and a swinging clock", {.sine_ms = 2.0, .jitter_back_ms = 20.0}},
           {"a queue, exchanges in the first 60 s", {.jitter_back_ms = 20.0, .exchanges_until_s = 60.0}},
           {"2 ms more one way", {.asymmetry_ms = 2.0}},
           {"bursts", {.burst_every_s = 120.0, .burst_length_s = 40.0, .burst_ms = 50.0}},
@@ -35,8 +35,8 @@ TEST(ClockDoubt, NinetyNineFramesOfAHundredLieWithinWhatIsStated) {
       SimulatedClocks clocks = hardship.clocks;
       clocks.seed = seed;
       const ClockErrors errors = clock_errors(clocks);
-      const double bound_ms = 1e-6 * static_cast<double>(errors.map.stamps.doubt.bound_ns);
-      const double sigma_ms = 1e-6 * static_cast<double>(errors.map.stamps.doubt.sigma_ns);
+      const double bound_ms = 1e-6 * static_cast<double>(errors.map.stamps.uncertainty.bound_ns);
+      const double sigma_ms = 1e-6 * static_cast<double>(errors.map.stamps.uncertainty.sigma_ns);
       EXPECT_GT(errors.share_within(bound_ms + 4.0 * sigma_ms), 0.99) << hardship.name << ", seed " << seed;
       EXPECT_GT(sigma_ms, 0.0) << hardship.name;
     }
@@ -44,8 +44,8 @@ TEST(ClockDoubt, NinetyNineFramesOfAHundredLieWithinWhatIsStated) {
 
 TEST(ClockDoubt, AFullRecordingIsNotCalledUncertain) {
   const StampEvidence stamps = clock_errors({}).map.stamps;
-  EXPECT_LT(stamps.doubt.sigma_ns, 100'000);
-  EXPECT_LT(stamps.doubt.bound_ns, 700'000);
+  EXPECT_LT(stamps.uncertainty.sigma_ns, 100'000);
+  EXPECT_LT(stamps.uncertainty.bound_ns, 700'000);
 }
 
 TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinTwoMilliseconds) {
@@ -56,8 +56,8 @@ TEST(ClockDoubt, AQueueOnOneWayLeavesFramesWithinTwoMilliseconds) {
 }
 
 TEST(ClockDoubt, FramesOutsideTheExchangesAreTold) {
-  EXPECT_NEAR(clock_errors({.exchanges_until_s = 60.0}).map.stamps.doubt.outside.seconds(), 540.0, 0.5);
-  EXPECT_LT(clock_errors({}).map.stamps.doubt.outside.seconds(), 0.5);
+  EXPECT_NEAR(clock_errors({.exchanges_until_s = 60.0}).map.stamps.uncertainty.outside.seconds(), 540.0, 0.5);
+  EXPECT_LT(clock_errors({}).map.stamps.uncertainty.outside.seconds(), 0.5);
 }
 
 TEST(ClockDoubt, TheLatenessOfArrivalsIsTold) {

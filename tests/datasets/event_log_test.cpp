@@ -407,7 +407,7 @@ TEST(WriteSession, AComputerThatWasStartedAnewIsPlacedByItsExchanges) {
   write_session({{folder / "0"}, {folder / "1"}}, folder / "s.h5");
   const SessionReader session(folder / "s.h5");
   const AgentClock clock = fit_agent_clock(session.clock_exchanges(0));
-  EXPECT_LT(clock.bend.ns, 10'000);
+  EXPECT_LT(clock.deviation.ns, 10'000);
   for (std::uint64_t run = 0; run < 2; ++run) {
     const FrameStamp stamp = session.stamps(0, FrameStream::bodies, run, 1)[0];
     EXPECT_NEAR(clock({stamp.arrival_ns}).ns,

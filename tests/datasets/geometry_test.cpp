@@ -50,9 +50,9 @@ TEST(DepthCamera, IsBelievedToTheLimitsThatAreStated) {
   DepthIntrinsics in;
   for (const double widths : {0.3, 3.0}) {
     in.fx_px = in.fy_px = widths * in.width_px;
-    EXPECT_EQ(implausibility_of(in), "");
+    EXPECT_EQ(problem_with(in), "");
     in.fx_px *= widths < 1.0 ? 0.999 : 1.001;
-    EXPECT_EQ(implausibility_of(in), "has a focal length outside 0.3 to 3 image widths");
+    EXPECT_EQ(problem_with(in), "has a focal length outside 0.3 to 3 image widths");
   }
 }
 
@@ -96,15 +96,15 @@ TEST(DepthCamera, PrintedAnglesAreUpToSevenCentimetresOffAPinhole) {
 
 TEST(DepthCamera, ImplausibleIntrinsicsAreSaidToBeSo) {
   DepthIntrinsics in;
-  EXPECT_EQ(implausibility_of(in), "");
+  EXPECT_EQ(problem_with(in), "");
   in.fx_px = 0.36;
-  EXPECT_THAT(implausibility_of(in), testing::HasSubstr("focal"));
+  EXPECT_THAT(problem_with(in), testing::HasSubstr("focal"));
   in = {};
-  in.k2 = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(implausibility_of(in), testing::HasSubstr("finite"));
+  in.k2 = kNaN;
+  EXPECT_THAT(problem_with(in), testing::HasSubstr("finite"));
   in = {};
   in.cx_px = 500;
-  EXPECT_THAT(implausibility_of(in), testing::HasSubstr("principal"));
+  EXPECT_THAT(problem_with(in), testing::HasSubstr("principal"));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ MocapHeader one_body() {
 }
 
 using Positions = std::vector<Eigen::Vector3d>;
-const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(kMissing);
+const Eigen::Vector3d kNowhere = Eigen::Vector3d::Constant(kNaN);
 
 Eigen::Vector3d at(double x_m) { return {x_m, 1.0, 2.0}; }
 
@@ -79,7 +79,7 @@ TEST(MocapSummary, OfNothingIsEmptyNotWrong) {
 
 TEST(MocapSummary, MeasuresTheRateWhenNoneIsStated) {
   MocapTake one = take_at({0}, moving(1)), three = take_at({0, 1, 2}, moving(3));
-  one.header.export_rate_hz = three.header.export_rate_hz = kMissing;
+  one.header.export_rate_hz = three.header.export_rate_hz = kNaN;
   EXPECT_TRUE(std::isnan(summarize_mocap(one).rate_hz));
   EXPECT_NEAR(summarize_mocap(three).rate_hz, 100.0, 1e-9);
 }

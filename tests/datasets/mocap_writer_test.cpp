@@ -35,7 +35,7 @@ MocapHeader two_assets() {
 }
 
 const std::vector<Eigen::Vector3d> kPositions_m{{1.2345678, -0.5, 0.0000004},
-                                                Eigen::Vector3d::Constant(kMissing)};
+                                                Eigen::Vector3d::Constant(kNaN)};
 
 TEST(MocapWriter, WritesTheLayoutOfMotive) {
   const TemporaryFile file;

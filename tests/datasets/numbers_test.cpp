@@ -68,7 +68,7 @@ TEST(Numbers, AreReadBackToTheLastBit) {
 
 TEST(Numbers, WithoutAValueAreLeftOut) {
   Numbers numbers;
-  numbers.add({kHead, kNoNumber});
+  numbers.add({kHead, kNaN});
   EXPECT_TRUE(numbers.all().empty());
   EXPECT_EQ(numbers.find(kHead), nullptr);
   EXPECT_TRUE(std::isnan(numbers.value(kHead)));

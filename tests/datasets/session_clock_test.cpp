@@ -74,22 +74,22 @@ TEST(SensorClock, AQueueOnOneWayIsNoClockThatWasSet) {
                                              .burst_every_s = 20.0,
                                              .burst_length_s = 11.0,
                                              .burst_ms = 200.0});
-    EXPECT_LE(errors.map.agent.bend.seconds(), 0.020) << seed;
+    EXPECT_LE(errors.map.agent.deviation.seconds(), 0.020) << seed;
     EXPECT_GT(errors.map.agent.bound_ns, 30'000'000) << seed;
   }
 }
 
-// A straight line keeps to the middle of a wandering clock, and `bend` states the largest distance.
+// A straight line keeps to the middle of a swinging clock, and `bend` states the largest distance.
 TEST(SensorClock, AClockThatLeavesItsLineIsToldWithWhatItCosts) {
-  for (const double wander_ms : {0.0, 0.3, 1.0, 2.0})
+  for (const double sine_ms : {0.0, 0.3, 1.0, 2.0})
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      const ClockErrors errors = clock_errors({.seed = seed, .wander_ms = wander_ms});
-      const double agent_ms = 1e3 * errors.map.agent.bend.seconds();
-      const double sensor_ms = 1e3 * errors.map.stamps.bend.seconds();
-      EXPECT_NEAR(agent_ms, wander_ms, 0.25 + 0.2 * wander_ms) << seed;
-      EXPECT_LE(errors.max_ms(), agent_ms + sensor_ms + 0.3) << wander_ms << ", " << seed;
-      const double sigma_ms = 1e-6 * errors.map.agent.wander_sigma_ns;
-      EXPECT_NEAR(sigma_ms, wander_ms / std::sqrt(2.0), 0.1 + 0.2 * wander_ms) << seed;
+      const ClockErrors errors = clock_errors({.seed = seed, .sine_ms = sine_ms});
+      const double agent_ms = 1e3 * errors.map.agent.deviation.seconds();
+      const double sensor_ms = 1e3 * errors.map.stamps.deviation.seconds();
+      EXPECT_NEAR(agent_ms, sine_ms, 0.25 + 0.2 * sine_ms) << seed;
+      EXPECT_LE(errors.max_ms(), agent_ms + sensor_ms + 0.3) << sine_ms << ", " << seed;
+      const double sigma_ms = 1e-6 * errors.map.agent.residual_sigma_ns;
+      EXPECT_NEAR(sigma_ms, sine_ms / std::sqrt(2.0), 0.1 + 0.2 * sine_ms) << seed;
     }
 }
 
@@ -98,16 +98,16 @@ TEST(SensorClock, AMinuteOfLateFramesIsToldAndMovesNoOther) {
   auto frames = clocks.frames();
   for (std::size_t i = 900; i < 1500; ++i) frames[i].stamp.arrival_ns += 5'000'000;
   const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
-  EXPECT_NEAR(map.stamps.bend.seconds(), 0.005, 5e-4);
-  EXPECT_NEAR(map.stamps.bend_after.seconds(), 30.0, 10.1);
+  EXPECT_NEAR(map.stamps.deviation.seconds(), 0.005, 5e-4);
+  EXPECT_NEAR(map.stamps.deviation_after.seconds(), 30.0, 10.1);
   EXPECT_NEAR((map(frames[1000].stamp) - frames[1000].exposure).seconds(), 0.0, 3e-4);
 }
 
 TEST(SensorClock, UnlikeDelaysMoveTheClockByHalfTheirDifferenceAsTheBoundSays) {
   const ClockErrors errors = clock_errors({.asymmetry_ms = 2.0});
   EXPECT_NEAR(errors.quantile_ms(0.5), 1.0, 0.05);
-  EXPECT_GE(1e-6 * static_cast<double>(errors.map.stamps.doubt.bound_ns), errors.quantile_ms(0.5));
-  EXPECT_LE(1e-6 * static_cast<double>(errors.map.stamps.doubt.bound_ns), 1.8);
+  EXPECT_GE(1e-6 * static_cast<double>(errors.map.stamps.uncertainty.bound_ns), errors.quantile_ms(0.5));
+  EXPECT_LE(1e-6 * static_cast<double>(errors.map.stamps.uncertainty.bound_ns), 1.8);
 }
 
 TEST(SensorClock, TheStatedUncertaintyOfTheOffsetHolds) {
@@ -170,7 +170,7 @@ TEST(SensorClock, AFewLateFramesBehindTheLastWindowAreNoBend) {
   auto frames = clocks.frames();
   for (std::size_t i = frames.size() - 2; i < frames.size(); ++i) frames[i].stamp.arrival_ns += 400'000'000;
   const SensorClockMap map = fitted(clocks, frames, clocks.exchanges());
-  EXPECT_LT(map.stamps.bend.seconds(), 0.002);
+  EXPECT_LT(map.stamps.deviation.seconds(), 0.002);
 }
 
 // Values up to 2^58 ns, also negative, in some of the stamps.

@@ -48,7 +48,7 @@ std::filesystem::path written(const std::string& name, std::int64_t frames, cons
 std::string said_of(const std::filesystem::path& path) {
   std::string said;
   for (const Finding& f : verify_session(SessionReader(path), {}))
-    said += std::string(name_of(f.severity)) + " " + f.text + " | " + f.endangers + "\n";
+    said += std::string(name_of(f.severity)) + " " + f.text + " | " + f.affects + "\n";
   return said;
 }
 
@@ -284,7 +284,7 @@ TEST(Session, SeesNobodyWhereFramesOfBodiesAreEmpty) {
       if (second_has_frames) writer.add_body_frame(1, body_frame_of(i, bodies));
     }
     writer.finish();
-    return sees_nobody(SessionReader(path));
+    return has_no_bodies(SessionReader(path));
   };
   EXPECT_TRUE(recorded("no_person.h5", 0, true));
   EXPECT_FALSE(recorded("one_person.h5", 1, true));

@@ -19,7 +19,7 @@ struct SimulatedClocks {
   std::uint64_t seed = 1;
   double seconds = 600.0;
   double agent_drift_ppm = 30.0, sensor_drift_ppm = -30.0;
-  double wander_ms = 0.0, wander_period_s = 300.0;            // of both clocks
+  double sine_ms = 0.0, sine_period_s = 300.0;                // of both clocks
   double wire_ms = 0.2, asymmetry_ms = 0.0, jitter_ms = 0.5;  // asymmetry: more on the way to the agent
   double jitter_back_ms = -1.0;  // on the way to the host; below 0: as the other way
   double exchange_every_s = 0.25, exchanges_until_s = 1e9, lost_share = 0.0;
@@ -39,17 +39,15 @@ struct SimulatedClocks {
   bool in_burst(double t_s) const {
     return burst_every_s > 0.0 && std::fmod(t_s, burst_every_s) < burst_length_s;
   }
-  double wander_s(double t_s) const {
-    return 1e-3 * wander_ms * std::sin(2.0 * M_PI * t_s / wander_period_s);
-  }
+  double sine_s(double t_s) const { return 1e-3 * sine_ms * std::sin(2.0 * M_PI * t_s / sine_period_s); }
   std::int64_t agent_ns(double t_s) const {
-    double agent_s = 5000.0 + t_s * (1.0 + 1e-6 * agent_drift_ppm) + wander_s(t_s);
+    double agent_s = 5000.0 + t_s * (1.0 + 1e-6 * agent_drift_ppm) + sine_s(t_s);
     if (t_s >= agent_step_at_s) agent_s += agent_step_s;
     return std::llround(agent_s * 1e9);
   }
   std::int64_t ticks(double t_s) const {
     const double since_s = t_s < sensor_restart_at_s ? t_s : t_s - sensor_restart_at_s;
-    const auto ns = std::llround((since_s * (1.0 + 1e-6 * sensor_drift_ppm) + wander_s(t_s)) * 1e9);
+    const auto ns = std::llround((since_s * (1.0 + 1e-6 * sensor_drift_ppm) + sine_s(t_s)) * 1e9);
     return (t_s < sensor_restart_at_s ? first_tick : 1000) + ns / tick_ns;
   }
 

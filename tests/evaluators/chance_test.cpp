@@ -15,8 +15,6 @@ using testing::DoubleEq;
 using testing::ElementsAre;
 using testing::NanSensitiveDoubleEq;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 TEST(StudentTail, HasTheClosedFormsOfOneAndTwoDegrees) {
   EXPECT_NEAR(student_two_sided(1.0, 1), 0.5, 1e-14);
   for (const double t : {0.1, 1.0, 4.0, 300.0}) {
@@ -25,7 +23,7 @@ TEST(StudentTail, HasTheClosedFormsOfOneAndTwoDegrees) {
   }
   EXPECT_EQ(student_two_sided(0.0, 5), 1.0);
   EXPECT_EQ(student_two_sided(HUGE_VAL, 5), 0.0);
-  EXPECT_TRUE(std::isnan(student_two_sided(kNone, 5)));
+  EXPECT_TRUE(std::isnan(student_two_sided(kNaN, 5)));
   EXPECT_TRUE(std::isnan(student_two_sided(1.0, 0)));
 }
 
@@ -50,8 +48,8 @@ TEST(Holm, CorrectsStepByStep) {
 }
 
 TEST(Holm, CountsOnlyWhatIsATest) {
-  EXPECT_THAT(holm_adjusted(std::vector{kNone, 0.02, 0.9}),
-              ElementsAre(NanSensitiveDoubleEq(kNone), DoubleEq(0.04), DoubleEq(0.9)));
+  EXPECT_THAT(holm_adjusted(std::vector{kNaN, 0.02, 0.9}),
+              ElementsAre(NanSensitiveDoubleEq(kNaN), DoubleEq(0.04), DoubleEq(0.9)));
   EXPECT_TRUE(holm_adjusted({}).empty());
 }
 

@@ -67,7 +67,7 @@ RangeProblem mixed_problem(std::uint32_t item) {
   for (int i = 0; i < count; ++i) {
     problem.range_m[i] = std::abs(problem.range_m[i] + random.uniform(30 + i, -0.3, 0.3));
   }
-  if (item % 97 == 0) problem.range_m[1] = std::numeric_limits<double>::quiet_NaN();
+  if (item % 97 == 0) problem.range_m[1] = kNaN;
   if (item % 89 == 0) problem.count = 2;
   return problem;
 }

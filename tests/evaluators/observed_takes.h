@@ -131,7 +131,7 @@ inline void turn_toes(ObservedBody& body) {
 }
 
 inline ObservedTake observed_take(const TakeSpec& spec) {
-  constexpr double kWander_m = 0.015, kJitter_m = 0.004, kInferredFactor = 3.0;
+  constexpr double kDrift_m = 0.015, kJitter_m = 0.004, kInferredFactor = 3.0;
   const double keep = std::exp(-kInstant_s / 1.0);  // of the drift, whose correlation time is a second
   const Person person = draw_person(11, spec.take, 1.70, 0.17);
   const Motion motion = generated_motion(person, spec.activity);
@@ -146,21 +146,21 @@ inline ObservedTake observed_take(const TakeSpec& spec) {
         {2.0 * std::sin(angle), height_m, 2.0 * std::cos(angle)}, {0.0, 1.0, 0.0}));
     const RigidTransform sensor_from_world = take.world_from_sensor[s].inverse();
     std::vector<bool> sees_back(spec.instants);
-    std::array<Eigen::Vector3d, kJointCount> wander_m;
+    std::array<Eigen::Vector3d, kJointCount> drift_m;
     for (std::size_t j = 0; j < kJointCount; ++j)
-      wander_m[j] = kWander_m * normal3(stream_of(spec, s, 3, j), 0);
+      drift_m[j] = kDrift_m * normal3(stream_of(spec, s, 3, j), 0);
     for (std::size_t i = 0; i < spec.instants; ++i) {
       const SkeletonPose pose = motion(static_cast<double>(i) * kInstant_s);
       sees_back[i] = facing(pose, take.world_from_sensor[s]) < -0.3;
       ObservedBody& body = take.tracks.at(i, s);
       for (std::size_t j = 0; j < kJointCount; ++j) {
         const RandomStream random = stream_of(spec, s, 10 + j, i);
-        wander_m[j] = keep * wander_m[j] + std::sqrt(1.0 - keep * keep) * kWander_m * normal3(random, 0);
+        drift_m[j] = keep * drift_m[j] + std::sqrt(1.0 - keep * keep) * kDrift_m * normal3(random, 0);
         body.state[j] = state_of(spec, pose, take.world_from_sensor[s], s, j, i);
         if (body.state[j] == TrackingState::not_tracked) continue;
         const double factor = body.state[j] == TrackingState::inferred ? kInferredFactor : 1.0;
         const Eigen::Vector3d error_m =
-            bias_m(spec, s, j, pose.heading_rad - angle) + wander_m[j] + kJitter_m * normal3(random, 3);
+            bias_m(spec, s, j, pose.heading_rad - angle) + drift_m[j] + kJitter_m * normal3(random, 3);
         body.joint_in_sensor_m[j] =
             (sensor_from_world * pose.joint_in_world_m[j] + factor * error_m).cast<float>();
       }

@@ -144,7 +144,7 @@ TEST_P(EveryMethod, DoesNotCareForTheOrderOfTheList) {
 }
 
 TEST_P(EveryMethod, RefusesWhatIsNotANumber) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = kNaN;
   const double inf = std::numeric_limits<double>::infinity();
   const RangeProblem good = hinted(well_posed_sensors_m(), {0.1, 0.8, -0.2});
   for (const double bad : {nan, inf, -inf}) {

@@ -59,7 +59,7 @@ void write_motive(const fs::path& path) {
   header.assets = {{AssetType::rigid_body, "Wand", "1F", "", true}, {AssetType::marker, "a", "2A", "", true}};
   OptitrackCsvWriter writer(path, header);
   for (std::int64_t i = 0; i < 3; ++i) {
-    std::vector<Eigen::Vector3d> position_m{{1.0, 2.0, 3.0}, Eigen::Vector3d::Constant(kMissing)};
+    std::vector<Eigen::Vector3d> position_m{{1.0, 2.0, 3.0}, Eigen::Vector3d::Constant(kNaN)};
     if (i != 1) position_m[1] = {0.5, 0.25, 0.125};
     writer.write(i, position_m);
   }

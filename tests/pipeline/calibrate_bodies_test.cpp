@@ -29,10 +29,10 @@ BodyTrackerSpec unbiased_tracker() {
   const BodyTrackerSpec& all = default_body_tracker();
   BodyTrackerSpec tracker = exact_body_tracker();
   tracker.jitter_sigma_m = all.jitter_sigma_m;
-  tracker.wander_sigma_m = all.wander_sigma_m;
-  tracker.view_wander_sigma_m = all.view_wander_sigma_m;
-  tracker.own_wander_sigma_m = all.own_wander_sigma_m;
-  tracker.wander_path_m = all.wander_path_m;
+  tracker.drift_sigma_m = all.drift_sigma_m;
+  tracker.view_drift_sigma_m = all.view_drift_sigma_m;
+  tracker.own_drift_sigma_m = all.own_drift_sigma_m;
+  tracker.drift_path_m = all.drift_path_m;
   return tracker;
 }
 

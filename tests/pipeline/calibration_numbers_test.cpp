@@ -26,7 +26,7 @@ TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
 TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
   std::vector<ClusteredError> errors;
   for (std::size_t i : {4u, 0u, 2u, 1u, 3u}) errors.push_back({0, 1e-3 * static_cast<double>(i + 1)});
-  errors.push_back({1, kNotMeasured});
+  errors.push_back({1, kNaN});
   const ErrorSpread spread = spread_of(errors);
   EXPECT_EQ(spread.asked, 6u);
   EXPECT_EQ(spread.answered, 5u);
@@ -39,7 +39,7 @@ TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
 }
 
 TEST(ErrorSpread, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
-  const ErrorSpread nothing = spread_of({}), none = spread_of({{0, kNotMeasured}});
+  const ErrorSpread nothing = spread_of({}), none = spread_of({{0, kNaN}});
   EXPECT_EQ(nothing.asked, 0u);
   EXPECT_EQ(none.asked, 1u);
   for (const ErrorSpread& spread : {nothing, none}) {
@@ -81,8 +81,7 @@ TEST(CalibrationNumbers, OfABallByPencil) {
     wand.samples.push_back({ours, sensor, 0, 1.0, 0.1, 0.01 + more_m, 0.02 + more_m});
     wand.samples.push_back({ours, sensor, 3, 3.5, 0.2, 0.05 + more_m, 0.06 + more_m});
     wand.samples.push_back({ours, sensor, 1, 3.0, 0.2, 0.03 + more_m, 0.04 + more_m});
-    wand.samples.push_back(
-        {ours, sensor, 2, 0.4, 0.1, sensor == 1 ? 0.5 : kNotMeasured, sensor == 1 ? 0.5 : kNotMeasured});
+    wand.samples.push_back({ours, sensor, 2, 0.4, 0.1, sensor == 1 ? 0.5 : kNaN, sensor == 1 ? 0.5 : kNaN});
   }
   wand.poses = {{"refined", "k1", 0.01, 0.02, 0.03, 0.04}, {"refined", "k2", 0.03, 0.02, 0.03, 0.04}};
   WallRow wall{"wall", "k1", 2.0, 2.01, 0.05, 7, 0.001, std::vector<double>(512, 0.02), {}};

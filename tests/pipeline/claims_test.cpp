@@ -42,7 +42,7 @@ TEST(Claims, AStoredNumberIsJudgedByItsInterval) {
   EXPECT_EQ(read.value, 0.2);
   EXPECT_EQ(read.clusters, 7u);
   EXPECT_NEAR(read.standard_error, 0.03, 1e-12);
-  EXPECT_TRUE(std::isnan(estimate_of({{}, 0.2, kNoNumber, kNoNumber, 100, 1}).standard_error));
+  EXPECT_TRUE(std::isnan(estimate_of({{}, 0.2, kNaN, kNaN, 100, 1}).standard_error));
 }
 
 TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
@@ -131,10 +131,10 @@ TEST(Claims, AShareThatSoFewClustersCannotShowIsNotTested) {
 }
 
 TEST(Claims, WhatIsListedWholeHasNoProbability) {
-  PaperClaim listed = claim_named("c");
-  listed.kind = ClaimKind::listed;
+  PaperClaim join_names = claim_named("c");
+  join_names.kind = ClaimKind::join_names;
   const auto of = [&](double share) {
-    return judge_claims(std::array{listed}, std::vector{number_of(share, more_than(50))})[0];
+    return judge_claims(std::array{join_names}, std::vector{number_of(share, more_than(50))})[0];
   };
   EXPECT_EQ(of(0.6).verdict, ClaimVerdict::holds);
   EXPECT_EQ(of(0.4).verdict, ClaimVerdict::does_not_hold);
@@ -301,8 +301,8 @@ TEST(Claims, SharesOfClocksAreOverRecordingsAndSensors) {
   const NumberKey key{
       .method = "corrected, causal", .measure = "clock_error", .statistic = "share_below_4ms"};
   for (const char* sensor : {"k1", "k2", "k3", "k4"})
-    clocks.numbers.add({key.with({.group = sensor, .take = "walk"}), 0.75, kNoNumber, kNoNumber, 1000});
-  clocks.numbers.add({key, 0.1, kNoNumber, kNoNumber, 4000});  // of all together: not counted again
+    clocks.numbers.add({key.with({.group = sensor, .take = "walk"}), 0.75, kNaN, kNaN, 1000});
+  clocks.numbers.add({key, 0.1, kNaN, kNaN, 4000});  // of all together: not counted again
   const ClaimNumber number = numbers_of("clock_below_4ms", claim_numbers(clocks)).at(0);
   EXPECT_EQ(number.value, 75.0);
   EXPECT_EQ(number.clusters, 4u);
@@ -319,9 +319,9 @@ TEST(Claims, OfTheSweepCountInterpretationsThatAreNearTheTable) {
   const NumberKey key{.measure = "interpretations"};
   const auto threshold = [&] { return numbers_of("threshold", claim_numbers(sweep)).at(0); };
   EXPECT_THAT(threshold().missing, HasSubstr("a sweep over the thresholds"));
-  sweep.numbers.add({key.with({.statistic = "share_near"}), 0.0, kNoNumber, kNoNumber, 8});
+  sweep.numbers.add({key.with({.statistic = "share_near"}), 0.0, kNaN, kNaN, 8});
   EXPECT_THAT(threshold().missing, HasSubstr("whose every error is that near"));
-  sweep.numbers.add({key.with({.statistic = "share"}), 0.75, kNoNumber, kNoNumber, 4});
+  sweep.numbers.add({key.with({.statistic = "share"}), 0.75, kNaN, kNaN, 4});
   EXPECT_EQ(threshold().value, 75.0);
   EXPECT_EQ(threshold().what, "of 4 acceptable interpretations of 8");
   EXPECT_EQ(threshold().p_holds, 0.0);
@@ -357,7 +357,7 @@ TEST(Claims, EachThatIsTestedSaysByWhichNumbersOfWhichStudyAndWithWhichBound) {
   std::set<std::string> ids;
   for (const PaperClaim& claim : paper_claims()) {
     EXPECT_TRUE(ids.insert(claim.id).second) << claim.id;
-    const bool is_judged = claim.kind == ClaimKind::tested || claim.kind == ClaimKind::listed;
+    const bool is_judged = claim.kind == ClaimKind::tested || claim.kind == ClaimKind::join_names;
     EXPECT_EQ(is_judged, !claim.numbers.empty()) << claim.id;
     EXPECT_EQ(is_judged, std::ranges::count(words<PaperStudy>, claim.study) == 1) << claim.id;
     for (const ClaimedNumber& number : claim.numbers) {

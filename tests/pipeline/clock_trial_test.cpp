@@ -34,7 +34,7 @@ double number_in(const Numbers& numbers, const char* statistic, const NumberKey&
 
 // One error on the lower edge of each range, and one that is not known: ranges begin on their edges.
 TEST(ClockErrors, RangesBeginOnTheirEdges) {
-  const Numbers edges = numbers_of({{0.0, -0.002, 0.004, 0.011, -0.022, 0.033, kNoNumber, kNoNumber}});
+  const Numbers edges = numbers_of({{0.0, -0.002, 0.004, 0.011, -0.022, 0.033, kNaN, kNaN}});
   for (const TimeRange& range : kTimeRanges) EXPECT_EQ(number_in(edges, range.share), 0.125) << range.share;
   EXPECT_EQ(number_in(edges, kShareBelow4ms), 0.25);
   const Numbers inside = numbers_of({{0.0019999, 0.0329999, -5.0, 0.0039999}});
@@ -54,12 +54,12 @@ TEST(ClockErrors, QuantilesByPencil) {
   EXPECT_NEAR(number_in(numbers, "p99"), 0.99, 1e-12);
   EXPECT_NEAR(number_in(numbers, "p999"), 0.999, 1e-12);
   EXPECT_NEAR(number_in(numbers, "max"), 1.0, 1e-12);
-  EXPECT_TRUE(numbers_of({{kNoNumber}}).all().empty());
+  EXPECT_TRUE(numbers_of({{kNaN}}).all().empty());
 }
 
 // Two computers, one of which is always below 4 ms; the interval is over them.
 TEST(ClockErrors, SharesOfEachComputerAndOfAllByPencil) {
-  const Numbers numbers = numbers_of({{0.001, 0.003, 0.003, 0.003}, {0.001, 0.001, 0.005, kNoNumber}});
+  const Numbers numbers = numbers_of({{0.001, 0.003, 0.003, 0.003}, {0.001, 0.001, 0.005, kNaN}});
   EXPECT_EQ(number_in(numbers, "share_below_2ms", {.group = "k1", .take = "walk"}), 0.25);
   EXPECT_EQ(number_in(numbers, "share_below_2ms", {.group = "k2", .take = "walk"}), 0.5);
   EXPECT_EQ(number_in(numbers, kShareBelow4ms, {.group = "k2", .take = "walk"}), 0.5);
@@ -149,7 +149,7 @@ struct QueuePencil {
 
 QueuePencil pencil_queue() {
   constexpr std::int64_t kMs = 1'000'000;
-  const double none = std::numeric_limits<double>::quiet_NaN();
+  const double none = kNaN;
   QueuePencil pencil;
   const auto add = [&](std::int64_t sent, std::int64_t received, double error_s) {
     pencil.frames.push_back({{}, {}, {sent * kMs}, {received * kMs}});

@@ -14,8 +14,7 @@ struct ErrorCell {
   NumberKey key;
   std::string method, group, alignment;
   std::uint64_t asked = 0, answered = 0, clusters = 0;
-  double mae_m = kNoNumber, mae_low_m = kNoNumber, mae_high_m = kNoNumber, rmse_m = kNoNumber,
-         max_m = kNoNumber;
+  double mae_m = kNaN, mae_low_m = kNaN, mae_high_m = kNaN, rmse_m = kNaN, max_m = kNaN;
   double coverage() const { return static_cast<double>(answered) / static_cast<double>(asked); }
 };
 

@@ -82,7 +82,7 @@ TEST(ErrorChanges, OfAnAverageAreThoseOfTheGroupsThatBothAnswer) {
   ErrorsByJoint after = before;
   for (TakeJointRow& row : after.rows) {
     if (row.group == "ankle") row.answered = 0;
-    row.mae_m = row.group == "ankle" ? kNoNumber : row.mae_m + 0.01;
+    row.mae_m = row.group == "ankle" ? kNaN : row.mae_m + 0.01;
   }
   const auto changes = changes_between(before, after);
   ASSERT_TRUE(changes);

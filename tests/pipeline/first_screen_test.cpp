@@ -34,7 +34,7 @@ ResultsSummary chosen(std::uint64_t participants, const std::vector<std::pair<st
     s.methods.push_back(name);
     s.legend.push_back({name, "what " + name + " does", name == "mine"});
     const NumberKey key{.condition = "walking", .group = "head", .method = name, .alignment = alignment};
-    s.numbers.add({key.with({.measure = "answered", .statistic = "share"}), 1.0, kNoNumber, kNoNumber, 1000});
+    s.numbers.add({key.with({.measure = "answered", .statistic = "share"}), 1.0, kNaN, kNaN, 1000});
     s.numbers.add({key.with({.measure = "distance", .statistic = "mean"}), 0.01 * error_cm,
                    0.01 * (error_cm - 0.2), 0.01 * (error_cm + 0.2), 1000});
     if (name != best->first && error_cm < best->second + 0.5) s.best[0].not_distinguished.push_back(name);

@@ -111,7 +111,7 @@ TEST(GateNumbers, WhatTakesJudgeIsNotListedAgain) {
 
 // A hundred are listed; of more a note says how many.
 TEST(GateNumbers, TheLargestHundredAreListed) {
-  const auto listed = [](int count) {
+  const auto join_names = [](int count) {
     Rows before, now;
     for (int k = 0; k < count; ++k) {
       const std::string method = "m" + std::to_string(k);
@@ -120,9 +120,9 @@ TEST(GateNumbers, TheLargestHundredAreListed) {
     }
     return compared(before, now);
   };
-  EXPECT_THAT(listed(100).findings, SizeIs(100));
-  EXPECT_THAT(listed(100).notes, IsEmpty());
-  const GateReport more = listed(101);
+  EXPECT_THAT(join_names(100).findings, SizeIs(100));
+  EXPECT_THAT(join_names(100).notes, IsEmpty());
+  const GateReport more = join_names(101);
   ASSERT_THAT(more.findings, SizeIs(100));
   EXPECT_EQ(more.findings.front().what, "distance p95, m100, head");
   EXPECT_EQ(more.findings.back().what, "distance p95, m1, head");

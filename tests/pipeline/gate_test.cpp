@@ -295,7 +295,7 @@ TEST(Gate, NumbersOfAnotherKindAreAnAlarmWhereTheyAreWorse) {
   const auto failed = alarms_of(found(0.001, 0.5, {"walk: is cut"}));
   ASSERT_THAT(failed, SizeIs(1));
   EXPECT_EQ(failed[0].note, "walk: is cut");
-  EXPECT_EQ(found(0.001, kNoNumber).alarms(), 1u);  // a number that is gone
+  EXPECT_EQ(found(0.001, kNaN).alarms(), 1u);  // a number that is gone
 }
 
 TEST(Gate, ASummaryThatWasEditedIsRefusedWithItsPlace) {

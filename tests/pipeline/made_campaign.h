@@ -82,8 +82,8 @@ struct MadeStudy {
                              .measure = "answered",
                              .statistic = "share"},
                             static_cast<double>(cell.answered) / static_cast<double>(cell.asked),
-                            kNoNumber,
-                            kNoNumber,
+                            kNaN,
+                            kNaN,
                             cell.asked});
         }
     }

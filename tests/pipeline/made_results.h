@@ -111,10 +111,9 @@ inline void write_made_results(const std::filesystem::path& folder, const MadeSt
   MadeSample sample{0, 0, 1, 0, 0.055};
   if (spoil) spoil(sample);
   const NumberKey key{.condition = "walking", .group = "head", .method = "nonlinear", .alignment = "none"};
+  summary.numbers.add({key.with({.measure = "answered", .statistic = "share"}), 1.0, kNaN, kNaN, 100});
   summary.numbers.add(
-      {key.with({.measure = "answered", .statistic = "share"}), 1.0, kNoNumber, kNoNumber, 100});
-  summary.numbers.add(
-      {key.with({.measure = "distance", .statistic = "mean"}), sample.error_m, kNoNumber, kNoNumber, 100});
+      {key.with({.measure = "distance", .statistic = "mean"}), sample.error_m, kNaN, kNaN, 100});
   for (std::uint64_t f = 0; f < study.takes_failed; ++f)
     summary.notes.push_back({"p" + std::to_string(f) + "-walking", true, "session.h5", "is damaged"});
   write_results(folder, summary);

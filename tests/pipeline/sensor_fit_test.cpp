@@ -102,7 +102,7 @@ class MadeSensors {
     SensorStream& stream = streams_[s];
     PointStream& in_sensor = stream.in_sensor;
     in_sensor = {0.0, 30.0, kJoints.size(), {}};
-    std::vector<Eigen::Vector3d> bias_m, wander_m(kJoints.size(), Eigen::Vector3d::Zero());
+    std::vector<Eigen::Vector3d> bias_m, drift_m(kJoints.size(), Eigen::Vector3d::Zero());
     for (std::size_t j = 0; j < kJoints.size(); ++j) bias_m.push_back(0.025 * normals());
     const RigidTransform sensor_from_world = stream.world_from_sensor.inverse();
     const bool is_it = s == who_;
@@ -111,9 +111,9 @@ class MadeSensors {
     for (double t = 0.0; t < duration_s_; t += 1.0 / 30.0) {
       const SkeletonPose pose = motion_(t - late_s);
       for (std::size_t j = 0; j < kJoints.size(); ++j) {
-        wander_m[j] = 0.97 * wander_m[j] + 0.005 * normals();
+        drift_m[j] = 0.97 * drift_m[j] + 0.005 * normals();
         const Eigen::Vector3d middle_m = 0.5 * (pose.at(kJoints[j]) + pose.at(mirror_of(kJoints[j])));
-        Eigen::Vector3d at_m = sensor_from_world * middle_m + bias_m[j] + wander_m[j] + 0.004 * normals();
+        Eigen::Vector3d at_m = sensor_from_world * middle_m + bias_m[j] + drift_m[j] + 0.004 * normals();
         if ((is_it && fault == Fault::mirrored) || fault == Fault::all_mirrored) at_m.x() = -at_m.x();
         if (fault == Fault::all_axes) at_m = {at_m.x(), -at_m.z(), at_m.y()};
         if (is_it && fault == Fault::long_ranges) at_m *= 1.15;

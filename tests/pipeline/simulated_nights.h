@@ -24,7 +24,7 @@ struct NightModel {
 class SimulatedNights {
  public:
   static constexpr std::size_t kMethods = 5, kGroups = 4, kAxes = 3;
-  static constexpr double kRate_hz = 10.0, kWander_s = 1.0;
+  static constexpr double kRate_hz = 10.0, kDrift_s = 1.0;
 
   explicit SimulatedNights(std::uint64_t seed) : seed_(seed) {}
 
@@ -51,7 +51,7 @@ class SimulatedNights {
   using Vector = std::array<double, kAxes>;
 
   // One joint's drift by all methods: the shared part and each method's own.
-  struct Wander {
+  struct Drift {
     std::array<Vector, kMethods + 1> value{};
     void step(const RandomStream& random, std::uint32_t& draw, double keep) {
       const double fresh = std::sqrt(1.0 - keep * keep);
@@ -65,7 +65,7 @@ class SimulatedNights {
     }
   };
 
-  static double length_of(const Vector& bias, const Wander& drift, std::size_t method, double scale,
+  static double length_of(const Vector& bias, const Drift& drift, std::size_t method, double scale,
                           double jitter) {
     constexpr double kOwn = 0.5;  // a quarter of the variance
     double squared = 0.0;
@@ -80,7 +80,7 @@ class SimulatedNights {
 
   void add_take(std::uint64_t number, std::size_t p, const NightModel& model, Night& night) const {
     const auto instants = static_cast<std::uint64_t>(model.duration_s * kRate_hz);
-    const double keep = std::exp(-1.0 / (kRate_hz * kWander_s));
+    const double keep = std::exp(-1.0 / (kRate_hz * kDrift_s));
     for (std::size_t g = 0; g < kGroups; ++g) {
       const RandomStream random{seed_, Purpose::test, (number * 64 + p) * kGroups + g};
       const RandomStream again{seed_ + 1000, Purpose::test, (number * 64'000 + p) * kGroups + g};
@@ -88,7 +88,7 @@ class SimulatedNights {
       Vector bias{};
       for (double& b : bias) b = 0.03 * random.normal(draw++);
       const double scale = std::exp(0.3 * random.normal(draw++));
-      Wander old, fresh;
+      Drift old, fresh;
       old.step(random, draw, 0.0);
       fresh.step(again, draw_again, 0.0);
       std::array<double, kMethods> before_m{}, now_m{};

@@ -431,7 +431,7 @@ TEST(UpAxis, ATakeThatShowsNothingIsTakenAsY) {
 }
 
 TEST(UpAxis, IsToldByHowAPersonStands) {
-  StandingAxis standing, lying, unknown;
+  UpAxisEstimator standing, lying, unknown;
   standing.add(Joint::head, {0.1, 0.0, 1.7});
   standing.add(Joint::shoulder_left, {0.0, 0.2, 1.4});
   standing.add(Joint::shoulder_right, {0.0, -0.2, 1.4});

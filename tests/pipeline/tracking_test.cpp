@@ -35,7 +35,7 @@ StudySpec study(const std::string& members) { return study_of(R"("alignments": [
 
 double mae_m(const ResultsSummary& summary, const std::string& method, const std::string& group) {
   const auto cell = find_cell(summary, method, "walking", group, "none");
-  return cell ? cell->mae_m : kNoNumber;
+  return cell ? cell->mae_m : kNaN;
 }
 
 TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {

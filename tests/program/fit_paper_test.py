@@ -66,7 +66,7 @@ class FitPaper(ScratchTest):
         words = [sys.executable, "-B", SOURCE / "scripts/fit_paper", "-o", self.folder / "out", "--program", PROGRAM, "--participants", "2",
                  "--trials", "20", "--points", "1"]
         first = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True)
-        self.assertIn("nearest to Tables I, II and III: rig 0.3 2.3 0.3 2.3 m, wander as measured", first.stdout)
+        self.assertIn("nearest to Tables I, II and III: rig 0.3 2.3 0.3 2.3 m, drift as measured", first.stdout)
         rows = self.table("settings.csv")
         self.assertEqual({row["sides"] for row in rows}, {"repaired", "not repaired"})
         paper = {"walking linear": 10.8, "walking geometric": 14.1, "walking nonlinear": 8.7}

@@ -19,8 +19,8 @@ try:
 except ImportError:
     pandas = None
 
-DECLARED = {"bias_sigma_m": 0.02, "view_bias_sigma_m": 0.04, "own_bias_sigma_m": 0.01, "wander_sigma_m": 0.01, "view_wander_sigma_m": 0.02,
-            "own_wander_sigma_m": 0.005, "wander_path_m": 0.5, "jitter_sigma_m": 0.002, "jump_rate_per_minute": 0, "lag_s": 0,
+DECLARED = {"bias_sigma_m": 0.02, "view_bias_sigma_m": 0.04, "own_bias_sigma_m": 0.01, "drift_sigma_m": 0.01, "view_drift_sigma_m": 0.02,
+            "own_drift_sigma_m": 0.005, "drift_path_m": 0.5, "jitter_sigma_m": 0.002, "jump_rate_per_minute": 0, "lag_s": 0,
             "inferred_error_sigma_m": 0.1, "ray_ratio": 1, "exchanged_share": 1, "back_view_angle_rad": 2.1}
 
 
@@ -72,11 +72,11 @@ class MeasureTracker(unittest.TestCase):
             return sum(measured["groups"][parameter][group] for group in groups) / len(groups)
 
         everywhere = script.TRACKER_GROUPS
-        for parameter, share in (("jitter_sigma_m", 0.03), ("view_bias_sigma_m", 0.2), ("view_wander_sigma_m", 0.2), ("own_bias_sigma_m", 0.6)):
+        for parameter, share in (("jitter_sigma_m", 0.03), ("view_bias_sigma_m", 0.2), ("view_drift_sigma_m", 0.2), ("own_bias_sigma_m", 0.6)):
             self.assertAlmostEqual(mean_of(parameter, *everywhere) / DECLARED[parameter], 1, delta=share, msg=parameter)
         self.assertAlmostEqual(mean_of("inferred_error_sigma_m", "elbow", "wrist", "hand", "hand_tip") / 0.1, 1, delta=0.2)
         values = {name: entry["value"] for name, entry in measured["values"].items()}
-        self.assertAlmostEqual(values["wander_path_m"] / DECLARED["wander_path_m"], 1, delta=0.3)
+        self.assertAlmostEqual(values["drift_path_m"] / DECLARED["drift_path_m"], 1, delta=0.3)
         self.assertGreater(values["exchanged_share"], 0.95)
         self.assertAlmostEqual(values["back_view_angle_rad"], DECLARED["back_view_angle_rad"], delta=0.2)
         self.assertIn("6 participants", measured["groups"]["jitter_sigma_m"]["source"])

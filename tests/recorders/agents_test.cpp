@@ -99,9 +99,9 @@ AgentOptions agent_named(const std::string& name, const ScratchFolder& folder, C
   options.name = name;
   options.folder = folder.path();
   options.connect = std::move(connect);
-  options.link.first_retry = milliseconds(10);
+  options.link.min_retry_delay = milliseconds(10);
   options.link.last_retry = milliseconds(50);
-  options.link.silence_limit = milliseconds(2000);
+  options.link.idle_timeout = milliseconds(2000);
   options.link.exchange_period = milliseconds(20);
   return options;
 }
@@ -213,7 +213,7 @@ TEST(Agents, AfterAnOutageTheRecordingHasAllOfIt) {
   std::vector<std::string> news;
   AgentOptions options = agent_named("k1", folder, connect);
   std::mutex mutex;
-  options.on_news = [&](const std::string& text) {
+  options.on_status_change = [&](const std::string& text) {
     const std::lock_guard lock(mutex);
     news.push_back(text);
   };
@@ -273,7 +273,7 @@ void run_and_kill(const std::string& name, const ScratchFolder& folder, const Co
     if (killed) throw LinkLost("killed");
     return std::make_unique<MortalStream>(connect(), killed);
   });
-  agent.farewell_limit = milliseconds(50);
+  agent.shutdown_timeout = milliseconds(50);
   agent.stop_requested = [&] { return killed.load(); };
   auto run = std::async(std::launch::async, [&] { return run_agent(source_of(1'000'000, sensors), agent); });
   std::this_thread::sleep_for(after);

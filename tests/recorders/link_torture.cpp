@@ -140,7 +140,7 @@ AgentOptions agent_options(const std::filesystem::path& folder, std::uint16_t po
   options.name = agent_name();
   options.folder = folder;
   options.reserve_bytes = 0;
-  options.link.first_retry = milliseconds(10);
+  options.link.min_retry_delay = milliseconds(10);
   options.link.last_retry = milliseconds(100);
   options.connect = [port] { return connect_loopback({"127.0.0.1", port}); };
   return options;

@@ -21,7 +21,7 @@ Table small_table() {
   table.columns = {{"joint", "joint", true}, {"MAE (cm)", "mae_cm", false}};
   table.rows = {{TableValue::of("head"), TableValue::of(1.0 / 3.0, 2)},
                 {TableValue::of("müde"), TableValue::of(123.456, 2)},
-                {TableValue::of("x"), TableValue::of(std::numeric_limits<double>::quiet_NaN(), 2)}};
+                {TableValue::of("x"), TableValue::of(kNaN, 2)}};
   table.notes = {"One note.", "Another."};
   return table;
 }

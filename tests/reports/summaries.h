@@ -12,8 +12,7 @@ inline void add_error(ResultsSummary& summary, const std::string& method, const 
                       double mean_m, std::uint64_t answered = 75) {
   const NumberKey key{.condition = "walking", .group = group, .method = method, .alignment = "mean"};
   const auto add = [&](const char* measure, const char* statistic, double value, std::uint64_t n) {
-    summary.numbers.add(
-        {key.with({.measure = measure, .statistic = statistic}), value, kNoNumber, kNoNumber, n});
+    summary.numbers.add({key.with({.measure = measure, .statistic = statistic}), value, kNaN, kNaN, n});
   };
   const double share = static_cast<double>(answered) / 100.0;
   add("distance", "mean", mean_m, answered);

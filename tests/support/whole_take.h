@@ -30,7 +30,7 @@ inline WholeTake whole_take(const std::filesystem::path& path, const MocapPart& 
   for (std::size_t f = 0; f < take.time.size(); ++f) {
     WholeTake::Frame& frame = whole.frames.emplace_back(WholeTake::Frame{take.frame[f], take.time[f], {}});
     for (const std::vector<Eigen::Vector3d>& position_m : take.position_m)
-      frame.poses.push_back({position_m.empty() ? Eigen::Vector3d::Constant(kMissing) : position_m[f]});
+      frame.poses.push_back({position_m.empty() ? Eigen::Vector3d::Constant(kNaN) : position_m[f]});
   }
   return whole;
 }

@@ -19,7 +19,7 @@ constexpr std::size_t kMinUsed = 3;
 constexpr double kUnknownDrift = 50e-6;  // standard deviation, of common crystals
 constexpr double kWarmingDrift = 1e-6;   // standard deviation of a drift's change where nothing shows it
 constexpr double kCertainSigmas = 4.0;
-constexpr double kExplained_ns = 20e6;      // what unlike delays may explain counts up to here as a bend
+constexpr double kExplained_ns = 20e6;      // what unlike delays may explain counts up to here as a deviation
 constexpr double kMedianVariance = 1.5708;  // of a median of normal values against that of their mean
 
 // Time that an exchange spent on the wire, both ways.
@@ -141,7 +141,7 @@ void state_sigma(AgentClock& clock, const OffsetLine& line, const std::vector<Cl
     squares /= static_cast<double>(windows.size());
     clock.middle_sigma_ns = std::max(
         clock.middle_sigma_ns, std::sqrt(kMedianVariance * squares / static_cast<double>(windows.size())));
-    clock.wander_sigma_ns = std::sqrt(std::max(0.0, squares - windows[0].sigma_ns * windows[0].sigma_ns));
+    clock.residual_sigma_ns = std::sqrt(std::max(0.0, squares - windows[0].sigma_ns * windows[0].sigma_ns));
   }
   // one or two exchanges show no spread; anywhere within the bound is as likely
   if (used.size() < kMinUsed) clock.middle_sigma_ns = static_cast<double>(clock.bound_ns) / std::sqrt(3.0);
@@ -152,12 +152,12 @@ void state_sigma(AgentClock& clock, const OffsetLine& line, const std::vector<Cl
 // Finds the clock's largest distance from the line: that of a window beyond its noise, up to 20 ms where
 // unlike delays may explain it, or that of three exchanges in a row beyond half of their own delay, as behind
 // the moment at which a clock was set.
-void find_bend(AgentClock& clock, const OffsetLine& line, const std::vector<ClockExchange>& exchanges,
-               const std::vector<Window>& windows) {
+void find_deviation(AgentClock& clock, const OffsetLine& line, const std::vector<ClockExchange>& exchanges,
+                    const std::vector<Window>& windows) {
   const auto take = [&](double away_ns, std::int64_t agent_ns) {
-    if (const Duration away{std::llround(away_ns)}; away > clock.bend) {
-      clock.bend = away;
-      clock.bend_after = AgentTime{agent_ns} - clock.first;
+    if (const Duration away{std::llround(away_ns)}; away > clock.deviation) {
+      clock.deviation = away;
+      clock.deviation_after = AgentTime{agent_ns} - clock.first;
     }
   };
   for (const Window& w : windows)
@@ -178,17 +178,19 @@ void find_bend(AgentClock& clock, const OffsetLine& line, const std::vector<Cloc
 
 }  // namespace
 
-OffsetDoubt AgentClock::doubt(AgentTime t) const {
+OffsetUncertainty AgentClock::uncertainty(AgentTime t) const {
   if (exchanges_used == 0) return {};
   const AgentTime middle{first.ns + (last - first).ns / 2};
   const Duration outside{std::max({std::int64_t{0}, (first - t).ns, (t - last).ns})};
-  const double sigma_ns = std::hypot(std::hypot(wander_sigma_ns, middle_sigma_ns),
+  const double sigma_ns = std::hypot(std::hypot(residual_sigma_ns, middle_sigma_ns),
                                      drift_sigma * static_cast<double>((t - middle).ns),
                                      kWarmingDrift * static_cast<double>(outside.ns));
   return {std::llround(sigma_ns), bound_ns, outside};
 }
 
-std::int64_t AgentClock::sigma_ns() const { return std::max(doubt(first).sigma_ns, doubt(last).sigma_ns); }
+std::int64_t AgentClock::sigma_ns() const {
+  return std::max(uncertainty(first).sigma_ns, uncertainty(last).sigma_ns);
+}
 
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges) {
   AgentClock clock;
@@ -214,7 +216,7 @@ AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges) {
   for (const ClockExchange& e : used) usual_delay_ns = std::max(usual_delay_ns, delay_ns(e));
   const std::vector<Window> windows = windows_of(sound, line, usual_delay_ns);
   state_sigma(clock, line, used, windows);
-  find_bend(clock, line, sound, windows);
+  find_deviation(clock, line, sound, windows);
   return clock;
 }
 

@@ -14,7 +14,7 @@ struct AgentTag {};
 using AgentTime = Instant<AgentTag>;
 
 // How well an agent's clock is known at an instant.
-struct OffsetDoubt {
+struct OffsetUncertainty {
   std::int64_t sigma_ns = 0;  // standard deviation, of delays alike both ways
   std::int64_t bound_ns = 0;  // the most that unlike delays can do to it
   Duration outside;           // to the first or last exchange
@@ -31,15 +31,15 @@ struct AgentClock {
   std::size_t exchanges_backwards = 0;  // left out
 
   // Standard deviations: of the clock about its line, of the line at its middle, of its drift.
-  double wander_sigma_ns = 0.0, middle_sigma_ns = 0.0, drift_sigma = 0.0;
+  double residual_sigma_ns = 0.0, middle_sigma_ns = 0.0, drift_sigma = 0.0;
   std::int64_t bound_ns = 0;  // half the delay of the exchanges used and their distance from the line
   // Largest distance of some seconds from the line beyond their noise, and where. What unlike delays may
   // explain counts up to 20 ms, so that a larger one is a clock that was set.
-  Duration bend;
-  Duration bend_after;  // since `first`
+  Duration deviation;
+  Duration deviation_after;  // since `first`
 
   HostTime operator()(AgentTime t) const { return line(t); }
-  OffsetDoubt doubt(AgentTime t) const;
+  OffsetUncertainty uncertainty(AgentTime t) const;
   // The largest from the first to the last exchange.
   std::int64_t sigma_ns() const;
 };

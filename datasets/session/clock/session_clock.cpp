@@ -18,7 +18,7 @@ constexpr double kMaxDrift = 1e-3;
 constexpr double kDriftSigmas = 4.0;
 constexpr std::int64_t kDriftDivisor = 1000;                 // the same, of the time between two frames
 constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
-constexpr Duration kMaxAgentBend{20'000'000};
+constexpr Duration kMaxAgentDeviation{20'000'000};
 constexpr Duration kMaxStep{100'000'000};     // of lateness from one frame to the next
 constexpr Duration kMinEpoch{2'000'000'000};  // shorter ones may be frames that came late together
 constexpr Duration kMinDriftCheck{5'000'000'000}, kMinDriftSpan{10'000'000'000};
@@ -38,11 +38,11 @@ AgentClock checked_agent_clock(std::span<const ClockExchange> exchanges, const s
   if (std::abs(agent.line.drift) > kMaxDrift)
     throw InputError(place, fmt::format("give a drift of {:.0f} ppm between two machines, which no clock has",
                                         1e6 * agent.line.drift));
-  if (agent.bend > kMaxAgentBend)
+  if (agent.deviation > kMaxAgentDeviation)
     throw InputError(
         place, fmt::format("leave a straight line by {:.0f} ms {:.0f} s after the first: the clock of the "
                            "sensor's computer was set while recording, so its frames cannot be placed",
-                           1e3 * agent.bend.seconds(), agent.bend_after.seconds()));
+                           1e3 * agent.deviation.seconds(), agent.deviation_after.seconds()));
   return agent;
 }
 
@@ -121,7 +121,7 @@ struct TickEpoch {
 };
 
 // Whether ticks and arrivals go on from `a` to `b` as one clock.
-bool goes_on(const ArrivalStamp& a, const ArrivalStamp& b) {
+bool is_continuous(const ArrivalStamp& a, const ArrivalStamp& b) {
   const std::int64_t gap_ns =
       std::min(std::abs((b.device - a.device).ns), std::abs((b.arrival - a.arrival).ns));
   return std::abs((b.lateness() - a.lateness()).ns) <= kMaxStep.ns + gap_ns / kDriftDivisor;
@@ -131,7 +131,7 @@ bool goes_on(const ArrivalStamp& a, const ArrivalStamp& b) {
 class TickEpochs {
  public:
   void add(const ArrivalStamp& stamp) {
-    if (runs_.empty() || !goes_on(before_, stamp)) runs_.emplace_back();
+    if (runs_.empty() || !is_continuous(before_, stamp)) runs_.emplace_back();
     runs_.back().add(stamp);
     before_ = stamp;
   }
@@ -146,7 +146,7 @@ class TickEpochs {
           ((is_behind && is_later(run.envelope.front(), kept.back().envelope.back())) ||
            (is_before && is_later(run.envelope.back(), runs_[i + 1].envelope.front()))))
         continue;
-      if (is_behind && goes_on(kept.back().envelope.back(), run.envelope.front()))
+      if (is_behind && is_continuous(kept.back().envelope.back(), run.envelope.front()))
         kept.back().add(run);
       else
         kept.push_back(run);
@@ -198,31 +198,31 @@ std::int64_t outside_ns(const SensorEpoch& epoch, SensorTime t) {
 }
 
 // The largest lateness that all frames of some ten seconds have.
-void find_bend(StampEvidence& evidence, const std::vector<FrameStamp>& stamps,
-               const std::vector<Duration>& lateness) {
+void find_deviation(StampEvidence& evidence, const std::vector<FrameStamp>& stamps,
+                    const std::vector<Duration>& lateness) {
   for (std::size_t first = 0, end = 0; first < stamps.size(); first = end) {
     while (end < stamps.size() && stamps[end].arrival_ns - stamps[first].arrival_ns < kWindow.ns) ++end;
     end = std::max(end, first + 1);
     if (end - first < kMinWindowFrames) continue;
     const Duration least = *std::min_element(lateness.begin() + static_cast<std::ptrdiff_t>(first),
                                              lateness.begin() + static_cast<std::ptrdiff_t>(end));
-    if (least <= evidence.bend) continue;
-    evidence.bend = least;
-    evidence.bend_after = {stamps[first].arrival_ns - stamps[0].arrival_ns};
+    if (least <= evidence.deviation) continue;
+    evidence.deviation = least;
+    evidence.deviation_after = {stamps[first].arrival_ns - stamps[0].arrival_ns};
   }
 }
 
-StampEvidence evidence_of(const SensorClockMap& map, const std::vector<FrameStamp>& stamps) {
+StampEvidence fit_report(const SensorClockMap& map, const std::vector<FrameStamp>& stamps) {
   StampEvidence evidence;
   std::vector<Duration> lateness;
   for (const FrameStamp& stamp : stamps) {
-    const OffsetDoubt doubt = map.agent.doubt({stamp.arrival_ns});
-    evidence.doubt = {std::max(evidence.doubt.sigma_ns, doubt.sigma_ns),
-                      std::max(evidence.doubt.bound_ns, doubt.bound_ns),
-                      std::max(evidence.doubt.outside, doubt.outside)};
+    const OffsetUncertainty uncertainty = map.agent.uncertainty({stamp.arrival_ns});
+    evidence.uncertainty = {std::max(evidence.uncertainty.sigma_ns, uncertainty.sigma_ns),
+                            std::max(evidence.uncertainty.bound_ns, uncertainty.bound_ns),
+                            std::max(evidence.uncertainty.outside, uncertainty.outside)};
     lateness.push_back(map.agent({stamp.arrival_ns}) - (map(stamp) + map.latency));
   }
-  find_bend(evidence, stamps, lateness);
+  find_deviation(evidence, stamps, lateness);
   const auto quantile = [&](std::size_t percent) {
     const auto at = lateness.begin() + static_cast<std::ptrdiff_t>((lateness.size() - 1) * percent / 100);
     std::nth_element(lateness.begin(), at, lateness.end());
@@ -281,7 +281,7 @@ SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp
   if (epochs.empty()) throw InputError(place, "has no frames, so its clock cannot be placed");
   const TickEpoch& longest = *std::ranges::max_element(epochs, {}, &TickEpoch::span);
   map.epochs = fit_epochs(epochs, longest, map.agent, place);
-  map.stamps = evidence_of(map, stamps);
+  map.stamps = fit_report(map, stamps);
   if (has_odd_drift(longest)) map.stamps.drift_left_out = longest.envelope.line().drift;
   return map;
 }

@@ -22,10 +22,10 @@ struct SensorEpoch {
 
 // What the frames themselves say of the fit, at their worst.
 struct StampEvidence {
-  OffsetDoubt doubt;  // each number's own worst
+  OffsetUncertainty uncertainty;  // each number's own worst
   Duration lateness_median, lateness_p99;
-  Duration bend;        // by which all frames of some ten seconds are late, at most
-  Duration bend_after;  // where, since the first frame
+  Duration deviation;        // by which all frames of some ten seconds are late, at most
+  Duration deviation_after;  // where, since the first frame
   double drift_left_out = 0.0;
 };
 

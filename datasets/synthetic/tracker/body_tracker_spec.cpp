@@ -31,6 +31,12 @@ std::vector<std::string> keys_of(const auto& map) {
   return keys;
 }
 
+// Keys of version 0.4.0.
+constexpr std::pair<const char*, const char*> kRenamed[] = {{"wander_sigma_m", "drift_sigma_m"},
+                                                            {"view_wander_sigma_m", "view_drift_sigma_m"},
+                                                            {"own_wander_sigma_m", "own_drift_sigma_m"},
+                                                            {"wander_path_m", "drift_path_m"}};
+
 using Interval = std::optional<std::array<double, 2>>;
 
 // A parameter of a document that declares them all.
@@ -104,6 +110,8 @@ struct Taken {
   template <class Entry>
   const Entry& find(const std::map<std::string, Entry>& entries, const char* part, const char* key) const {
     const auto found = entries.find(key);
+    for (const auto& [old, now] : kRenamed)
+      if (entries.contains(old)) place.at(part).at(old).refuse(fmt::format("is called \"{}\" now", now));
     if (found == entries.end()) place.at(part).at(key).refuse("is missing");
     if (found->second.source.empty()) place.at(part).at(key).at("source").refuse("must not be empty");
     return found->second;
@@ -141,7 +149,10 @@ struct AsSettings {
 };
 struct SomeValues {
   BodyTrackerSpec& spec;
-  static void fields(auto& self, Fields& f) { BodyTrackerSpec::fields(self.spec, AsSettings{f}); }
+  static void fields(auto& self, Fields& f) {
+    for (const auto& [old, now] : kRenamed) f.renamed(old, now);
+    BodyTrackerSpec::fields(self.spec, AsSettings{f});
+  }
 };
 
 }  // namespace

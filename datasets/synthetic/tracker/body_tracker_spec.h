@@ -33,12 +33,12 @@ struct BodyTrackerSpec {
   // from which a sensor sees the body, as sine and cosine of its azimuth; of each sensor by itself.
   Groups bias_sigma_m{}, view_bias_sigma_m{}, own_bias_sigma_m{};
   // What changes while the joint moves, in the same three parts: AR(1) along the joint's path.
-  Groups wander_sigma_m{}, view_wander_sigma_m{}, own_wander_sigma_m{};
+  Groups drift_sigma_m{}, view_drift_sigma_m{}, own_drift_sigma_m{};
   Groups jitter_sigma_m{};        // white
   Groups jump_rate_per_minute{};  // of one joint
   // What hidden joints are off by more, which goes with the direction of view.
   Groups inferred_error_sigma_m{};
-  double wander_path_m = 0.0;  // in which the drift's correlation falls by e
+  double drift_path_m = 0.0;  // in which the drift's correlation falls by e
   // How the sum of bias, drift and jitter splits: sigma along the ray over sigma across it, the total kept.
   double ray_ratio = 1.0;
   double unit_depth_share = 0.0;  // of the depth error of the sensor's unit (offset and wiggling)
@@ -56,13 +56,13 @@ struct BodyTrackerSpec {
     f("bias_sigma_m", self.bias_sigma_m, Range{0.0, 1.0});
     f("view_bias_sigma_m", self.view_bias_sigma_m, Range{0.0, 1.0});
     f("own_bias_sigma_m", self.own_bias_sigma_m, Range{0.0, 1.0});
-    f("wander_sigma_m", self.wander_sigma_m, Range{0.0, 1.0});
-    f("view_wander_sigma_m", self.view_wander_sigma_m, Range{0.0, 1.0});
-    f("own_wander_sigma_m", self.own_wander_sigma_m, Range{0.0, 1.0});
+    f("drift_sigma_m", self.drift_sigma_m, Range{0.0, 1.0});
+    f("view_drift_sigma_m", self.view_drift_sigma_m, Range{0.0, 1.0});
+    f("own_drift_sigma_m", self.own_drift_sigma_m, Range{0.0, 1.0});
     f("jitter_sigma_m", self.jitter_sigma_m, Range{0.0, 1.0});
     f("jump_rate_per_minute", self.jump_rate_per_minute, Range{0.0, 60.0});
     f("inferred_error_sigma_m", self.inferred_error_sigma_m, Range{0.0, 1.0});
-    f("wander_path_m", self.wander_path_m, Range{0.0, 100.0});
+    f("drift_path_m", self.drift_path_m, Range{0.0, 100.0});
     f("ray_ratio", self.ray_ratio, Range{0.01, 100.0});
     f("unit_depth_share", self.unit_depth_share, Range{0.0, 1.0});
     f("lag_s", self.lag_s, Range{0.0, 10.0});

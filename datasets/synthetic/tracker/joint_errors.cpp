@@ -123,8 +123,8 @@ Vector3d JointErrors::along_and_across(const Vector3d& error_m, const Vector3d& 
 
 // All sensors draw their common part, and that of the direction of view, from the same numbers.
 void JointErrors::drift(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const {
-  const double kept = state.has_wander ? decay(step_m, spec_.wander_path_m) : 0.0;
-  state.has_wander = true;
+  const double kept = state.has_drift ? decay(step_m, spec_.drift_path_m) : 0.0;
+  state.has_drift = true;
   if (kept == 1.0) return;
   const double fresh = std::sqrt(1.0 - kept * kept);
   const auto renew = [&](Vector3d& part, const BodyTrackerSpec::Groups& sigma_m, const RandomStream& random,
@@ -132,11 +132,11 @@ void JointErrors::drift(JointState& state, std::size_t joint, std::uint64_t fram
     if (const double sigma = of_group(sigma_m, joint); sigma > 0.0)
       part = kept * part + fresh * sigma * normal_vector(random, first);
   };
-  const RandomStream common = key_.shared_stream().stream(Purpose::tracker_wander, joint, frame);
-  renew(state.wander_m.common, spec_.wander_sigma_m, common, 0);
-  renew(state.wander_m.facing, spec_.view_wander_sigma_m, common, 2);
-  renew(state.wander_m.beside, spec_.view_wander_sigma_m, common, 4);
-  renew(state.wander_m.own, spec_.own_wander_sigma_m, key_.stream(Purpose::tracker_wander, joint, frame), 0);
+  const RandomStream common = key_.shared_stream().stream(Purpose::tracker_drift, joint, frame);
+  renew(state.drift_m.common, spec_.drift_sigma_m, common, 0);
+  renew(state.drift_m.facing, spec_.view_drift_sigma_m, common, 2);
+  renew(state.drift_m.beside, spec_.view_drift_sigma_m, common, 4);
+  renew(state.drift_m.own, spec_.own_drift_sigma_m, key_.stream(Purpose::tracker_drift, joint, frame), 0);
 }
 
 Vector3d JointErrors::jump(JointState& state, std::size_t joint, std::uint64_t frame) const {
@@ -176,8 +176,8 @@ std::array<Vector3d, kJointCount> JointErrors::step(std::uint64_t frame, const S
     }
     const Vector3d& truth_m = pose.joint_in_world_m[j];
     drift(state, j, frame, state.has_truth ? (truth_m - state.truth_m).norm() : 0.0);
-    Vector3d error_m = world_from_body * (state.bias_m.seen_from(view.azimuth_rad) +
-                                          state.wander_m.seen_from(view.azimuth_rad));
+    Vector3d error_m = world_from_body *
+                       (state.bias_m.seen_from(view.azimuth_rad) + state.drift_m.seen_from(view.azimuth_rad));
     if (const double sigma_m = of_group(spec_.jitter_sigma_m, j); sigma_m > 0.0)
       error_m += sigma_m * normal_vector(key_.stream(Purpose::tracker_jitter, j, frame), 0);
     const Vector3d from_sensor_m = truth_m - view.sensor_in_world_m;

@@ -62,11 +62,11 @@ class JointErrors {
 
  private:
   struct JointState {
-    ViewDependentError bias_m, wander_m, hidden_m;
+    ViewDependentError bias_m, drift_m, hidden_m;
     Eigen::Vector3d lagged_m, truth_m;
     Eigen::Vector3d jump_m;
     std::uint64_t jump_end = 0;  // the first frame without
-    bool has_wander = false, has_truth = false, hidden = false, reported_as_tracked = false;
+    bool has_drift = false, has_truth = false, hidden = false, reported_as_tracked = false;
   };
   Eigen::Vector3d follow(JointState& state, const Eigen::Vector3d& truth_m) const;
   void drift(JointState& state, std::size_t joint, std::uint64_t frame, double step_m) const;

@@ -81,7 +81,7 @@ std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planne
     if (!text.empty())
       notes.push_back({planned.take.id, false, external.joints->file.string(), std::move(text)});
   };
-  for (std::string& text : oddities_of(external.track)) note(std::move(text));
+  for (std::string& text : suspicious_names(external.track)) note(std::move(text));
   if (!external.left_out.empty() && plan.rig.empty())
     note(fmt::format(
         "has {} names that are not compared, since the truth has none of them: {}", external.left_out.size(),

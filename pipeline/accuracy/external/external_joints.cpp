@@ -112,7 +112,7 @@ std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header, cons
 
 // How the person stands in the mocap, where its points are joints: z, y, or nothing where that is not clear.
 std::optional<UpAxis> standing_axis(const MocapTake& positions, const NamedPoints& points) {
-  StandingAxis standing;
+  UpAxisEstimator standing;
   constexpr std::size_t kMaxCount = 300;  // frames, spread evenly
   const std::size_t step = std::max<std::size_t>(1, positions.time.size() / kMaxCount);
   for (const NamedPoint& point : points) {

@@ -126,7 +126,7 @@ std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std
     for (const MethodSpec& one : one_a_set(m, rig)) methods.push_back(resolve(one, rig));
   std::vector<std::string> names;
   for (const Method& method : methods) names.push_back(method.spec.name);
-  if (const std::string twice = first_repeated(names); !twice.empty())
+  if (const std::string twice = first_duplicate(names); !twice.empty())
     throw InputError("method \"" + twice + '"', "is there twice; give each method its own name");
   return methods;
 }

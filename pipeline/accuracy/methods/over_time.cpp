@@ -51,12 +51,12 @@ void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCal
   constexpr double kHalfwayPasses = 60.0;
   const auto instants = static_cast<double>(seen.time_ns.size());
   double observed = 0.0;
-  std::size_t told = 0;
+  std::size_t reported = 0;
   const auto tell = [&] {
     if (calls.must_stop && calls.must_stop()) throw Interrupted();
     const double passes = observed / (instants * static_cast<double>(joints.size()));
     const auto done = static_cast<std::size_t>(instants * passes / (passes + kHalfwayPasses));
-    if (done > told && calls.advanced) calls.advanced(done - std::exchange(told, done));
+    if (done > reported && calls.advanced) calls.advanced(done - std::exchange(reported, done));
   };
   const BodyPath path{seen.time_ns, joints, seen.sensors,
                       [&](std::size_t instant, std::size_t joint, std::span<JointObservation> observations) {
@@ -72,7 +72,7 @@ void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCal
       paths.points[i * paths.joints + j] = {body.position_m[slot], body.status[slot],
                                             is_answered ? body.passes : 0};
     }
-  if (calls.advanced) calls.advanced(seen.time_ns.size() - told);
+  if (calls.advanced) calls.advanced(seen.time_ns.size() - reported);
 }
 
 }  // namespace trilat

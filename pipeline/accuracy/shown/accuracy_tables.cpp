@@ -95,7 +95,7 @@ TableValue error_cell(const ResultsSummary& s, const Row& row) {
 // The share of the instants that a method answers, over all joint groups.
 double answered_share(const ResultsSummary& s, const std::string& condition, const std::string& method) {
   const std::vector<std::string> groups = groups_in(s, condition);  // their average is the last
-  return groups.empty() ? kNoNumber : coverage_of(s, method, condition, groups.back(), s.alignments.front());
+  return groups.empty() ? kNaN : coverage_of(s, method, condition, groups.back(), s.alignments.front());
 }
 
 Table article_table(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
@@ -143,7 +143,7 @@ Table differences_table(const ResultsSummary& s, const std::string& condition, c
   const auto share_of_method = [&](const Row& row) {
     const double share = numbers.value(row.with(relative));
     const double of_method = 100.0 * share / (1.0 + share);
-    return std::isfinite(of_method) ? of_method : kNoNumber;
+    return std::isfinite(of_method) ? of_method : kNaN;
   };
   Table table = table_of<Row>(
       id_of("differences", condition, alignment),

@@ -21,7 +21,7 @@ bool has_condition(const ResultsSummary& s, const std::string& condition) {
 double papers_cm(const PrintedTable2::Row& row, const std::string& method) {
   if (method == "nonlinear") return row.without_cm;
   if (method.starts_with("nonlinear, occlusion")) return row.with_cm;
-  return kNoNumber;
+  return kNaN;
 }
 
 // Whether a condition is averaged over joints of the paper's part alone.
@@ -44,8 +44,8 @@ void add_rows(const ResultsSummary& s, const PrintedTable2::Row& printed, Table&
       table.rows.push_back(
           {TableValue::of(printed.part),
            TableValue::of(std::string(condition == occluded ? "occluded" : "all")), TableValue::of(method),
-           TableValue::of(is_beside ? papers_cm(printed, method) : kNoNumber, 1),
-           error ? cm_cell(error->value, error->low, error->high) : cm_cell(kNoNumber, kNoNumber, kNoNumber),
+           TableValue::of(is_beside ? papers_cm(printed, method) : kNaN, 1),
+           error ? cm_cell(error->value, error->low, error->high) : cm_cell(kNaN, kNaN, kNaN),
            count_cell(error ? error->n : 0), percent_cell(coverage->value)});
     }
   }

@@ -23,7 +23,7 @@ struct ErrorSum {
     answered += row.answered;
     if (row.answered > 0) distance_m += row.mae_m * static_cast<double>(row.answered);
   }
-  double mean_m() const { return answered == 0 ? kNoNumber : distance_m / static_cast<double>(answered); }
+  double mean_m() const { return answered == 0 ? kNaN : distance_m / static_cast<double>(answered); }
 };
 
 // Errors of one take by method.
@@ -79,7 +79,7 @@ struct FileRow {
   std::string alignment, method;
   std::uint64_t asked = 0, answered = 0;
   std::size_t groups = 0, joints = 0;
-  double mae_m = kNoNumber, low_m = kNoNumber, high_m = kNoNumber;
+  double mae_m = kNaN, low_m = kNaN, high_m = kNaN;
   std::array<double, 3> bias_m{};
 };
 

@@ -97,7 +97,7 @@ std::vector<Table> bound_tables(const ResultsSummary& s, const TrackingSummary& 
     if (method.find(',') != std::string::npos && method.find("left out") == std::string::npos) continue;
     const auto error_m = [&s, method, alignment](const R& r) {
       const Number* error = find_error(s, method, r.condition, r.group, alignment);
-      return error ? error->value : kNoNumber;
+      return error ? error->value : kNaN;
     };
     columns.push_back({method + " (cm)", method + "_mae_cm", in_cm(error_m)});
     columns.push_back({method + " / bound", method + "_by_bound",

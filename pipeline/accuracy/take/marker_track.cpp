@@ -92,7 +92,7 @@ std::string counted_by_name(const MocapTake& positions, std::int64_t MissingCoun
 
 }  // namespace
 
-std::vector<std::string> oddities_of(const MarkerTrack& track) {
+std::vector<std::string> suspicious_names(const MarkerTrack& track) {
   constexpr double kMaxRepeated = 0.2;  // of the frames
   std::vector<std::string> odd = track.positions().taken_as;
   if (const double share = track.repeated_share(); share > kMaxRepeated)

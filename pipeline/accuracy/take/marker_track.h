@@ -38,6 +38,6 @@ class MarkerTrack {
 };
 
 // Notes on oddities of its frames and positions.
-std::vector<std::string> oddities_of(const MarkerTrack& track);
+std::vector<std::string> suspicious_names(const MarkerTrack& track);
 
 }  // namespace trilat

@@ -99,7 +99,7 @@ void check_up_axis(const PlannedTake& planned, const std::vector<Joint>& joints)
   const MarkerTrack truth =
       truth_of(planned, joints, duration_from_s(kProbe_s), MocapTime{} + duration_from_s(kFirst_s));
   if (planned.take.up_axis || !planned.level) return;
-  StandingAxis standing;
+  UpAxisEstimator standing;
   std::vector<Eigen::Vector3d> points(joints.size());
   for (double t_s = 0.0; t_s <= kFirst_s; t_s += kProbe_s) {
     truth.at(MocapTime{} + duration_from_s(t_s), points);

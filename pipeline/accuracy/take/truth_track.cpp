@@ -147,7 +147,7 @@ SampledTruth sample_truth(const Plan& plan, const PlannedTake& planned, Duration
   if (std::ranges::none_of(truth.at_instants_m, [](const auto& p) { return p.allFinite(); }))
     refuse_without_truth(plan, planned, track);
   if (densely) truth.dense = true_paths(plan, planned, track, stop_requested);
-  truth.oddities = oddities_of(track);
+  truth.oddities = suspicious_names(track);
   return truth;
 }
 

@@ -15,6 +15,7 @@ from trilat.convert.recording import TICKS_PER_S
 from trilat.errors import InputError
 from trilat.outputs import folder_aside, refuse_inputs_within
 from trilat.skeleton import JOINT_COUNT, JOINT_NUMBER, TRACKED, states_within_reach
+from trilat.write_joints import write_joints
 from trilat.write_session import SensorFrames, write_session
 
 START_S = 10.0  # what a take's host clock shows at the sensor's first frame
@@ -117,18 +118,6 @@ def quaternion_xyzw(rotation: np.ndarray) -> list[float]:
     return [float(q) for q in np.linalg.eigh(k)[1][:, -1]]
 
 
-def write_trc(path: Path, names: tuple[str, ...], rate_hz: float, point_m: np.ndarray) -> None:
-    """OpenSim's markers in metres; an empty cell is missing."""
-    header = ["PathFileType\t4\t(X/Y/Z)\t" + path.name,
-              "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames",
-              f"{rate_hz:.9g}\t{rate_hz:.9g}\t{len(point_m)}\t{len(names)}\tm\t{rate_hz:.9g}\t1\t{len(point_m)}",
-              "Frame#\tTime\t" + "\t\t\t".join(names) + "\t\t",
-              "\t\t" + "\t".join(f"{axis}{n + 1}" for n in range(len(names)) for axis in "XYZ"), ""]
-    rows = ["\t".join([str(i + 1), f"{i / rate_hz:.6f}", *("" if np.isnan(v) else f"{v:.6f}" for v in points.ravel())])
-            for i, points in enumerate(point_m)]
-    path.write_text("\n".join(header + rows) + "\n")
-
-
 def write_json(path: Path, kind: str, content: dict) -> None:
     """A document of trilat's."""
     path.write_text(json.dumps({"format": f"trilat.{kind}", "version": 1, **content}, indent=1) + "\n")
@@ -147,7 +136,9 @@ def write_take(folder: Path, take: Take, pairing: Pairing, note: str, source: st
     write_session(folder / take.id / "session.h5", {"k1": SensorFrames(
         ticks, np.arange(frames), position_m, state, orientation_xyzw=take.orientation_xyzw, source=source,
         rate_hz=take.rate_hz)}, note=note)
-    write_trc(folder / take.id / "mocap.trc", take.markers, take.truth_hz * pairing.ratio, y_up(take.truth_m))
+    truth_m = y_up(take.truth_m)
+    write_joints(folder / take.id / "mocap.trc", np.arange(len(truth_m)) / (take.truth_hz * pairing.ratio),
+                 {name: truth_m[:, k] for k, name in enumerate(take.markers)})
     return {"id": take.id, "participant": take.participant, "activity": take.activity,
             "session": f"{take.id}/session.h5", "calibration": f"{take.participant}.json", "mocap": f"{take.id}/mocap.trc",
             "mapping": "mapping.json", "up_axis": "y",
