@@ -123,6 +123,7 @@ bool Fields::has(const char* key, bool there) const {
 void Fields::visit(const char* key, const About& about, void* member, const json_value::Type& type) {
   if (mode_ == Mode::describe) {
     Json schema = type.schema(member, about);
+    if (schema.value("default", Json()) == "") schema.erase("default");  // without the key there is no text
     if (!about.meaning.empty()) schema["description"] = about.meaning;
     json_["properties"][key] = std::move(schema);
     if (about.required) json_["required"].push_back(key);
@@ -323,6 +324,35 @@ namespace {
 
 std::string dumped(const Json& value) { return json_text(value, -1); }
 
+// Whether an object's members are alike in everything, as those by joint are: a row each would say nothing.
+bool has_equal_members(const Json& schema) {
+  if (!schema.contains("properties") || schema["properties"].size() < 2) return false;
+  const Json& first = schema["properties"].front();
+  return !first.contains("description") &&
+         std::ranges::all_of(schema["properties"], [&](const Json& member) { return member == first; });
+}
+
+// "how many of them" of a list.
+std::string count_text(const Json& schema) {
+  const Json least = schema.value("minItems", Json()), most = schema.value("maxItems", Json());
+  if (!most.is_null() && least == most) return fmt::format("; {} of them", most.dump());
+  if (!most.is_null())
+    return fmt::format("; {} to {} of them", least.is_null() ? "0" : least.dump(), most.dump());
+  return least.is_null() ? "" : fmt::format("; at least {}", least.dump());
+}
+
+std::string type_text(const Json& type) {
+  if (type.is_array()) {
+    std::vector<std::string> types;
+    for (const Json& one : type) types.push_back(type_text(one));
+    return fmt::format("{}", fmt::join(types, " or "));
+  }
+  return type == "boolean"  ? "true or false"
+         : type == "string" ? "text"
+         : type == "array"  ? "list"
+                            : type.get<std::string>();
+}
+
 std::string values_of(const Json& schema) {
   if (schema.contains("const")) return fmt::format("`{}`", dumped(schema["const"]));
   if (schema.contains("enum")) {
@@ -331,25 +361,19 @@ std::string values_of(const Json& schema) {
     return fmt::format("{}", fmt::join(words, ", "));
   }
   if (!schema.contains("type")) return "any";
-  const auto is_one = [&](const char* type) {
-    return std::ranges::find(schema["type"], type) != schema["type"].end();
-  };
-  std::string text = !schema["type"].is_array() ? schema["type"].get<std::string>()
-                     : is_one("string")         ? "object or text"
-                                                : "number or object";
-  if (text == "boolean") text = "true or false";
-  if (text == "string") text = "text";
-  if (text == "array") {
-    text = schema.contains("items") ? "list of: " + values_of(schema["items"]) : "list";
-    const Json least = schema.value("minItems", Json()), most = schema.value("maxItems", Json());
-    if (!most.is_null() && least == most)
-      text += fmt::format("; {} of them", most.dump());
-    else if (!most.is_null())
-      text += fmt::format("; {} to {} of them", least.is_null() ? "0" : least.dump(), most.dump());
-    else if (!least.is_null())
-      text += fmt::format("; at least {}", least.dump());
+  std::string text = type_text(schema["type"]);
+  if (text == "list" && schema.contains("items")) text = "list of: " + values_of(schema["items"]);
+  if (text.starts_with("list")) text += count_text(schema);
+  if (has_equal_members(schema)) {
+    std::vector<std::string> keys;
+    for (const auto& [key, member] : schema["properties"].items()) keys.push_back('`' + key + '`');
+    text += fmt::format(" of {}", fmt::join(keys, ", "));
+    if (!schema.contains("minimum")) text += ", each " + values_of(schema["properties"].front());
   }
-  if (schema.contains("exclusiveMinimum")) text += " above " + dumped(schema["exclusiveMinimum"]);
+  if (schema.contains("exclusiveMinimum")) {
+    text += " above " + dumped(schema["exclusiveMinimum"]);
+    if (schema.contains("maximum")) text += ", at most " + dumped(schema["maximum"]);
+  }
   if (schema.contains("minimum") && schema.contains("maximum"))
     text += fmt::format(", {} to {}", dumped(schema["minimum"]), dumped(schema["maximum"]));
   else if (schema.contains("minimum"))
@@ -363,7 +387,7 @@ void add_rows(const Json& schema, const std::string& prefix, std::string& rows,
   const Json& required = schema["required"];
   for (const auto& [key, value] : schema["properties"].items()) {
     if (key == "$schema") continue;
-    const bool is_list = value.contains("items");
+    const bool is_list = value.contains("items") && !value.contains("properties");
     const std::string name = prefix + key + (is_list && value["items"].contains("properties") ? "[]" : "");
     const bool needed = std::ranges::find(required, Json(key)) != required.end();
     const Json& members = is_list ? value["items"] : value;
@@ -376,7 +400,7 @@ void add_rows(const Json& schema, const std::string& prefix, std::string& rows,
                     value.value("description", ""));
     if (has_branches)
       later.emplace_back(name, members);
-    else if (members.contains("properties"))
+    else if (members.contains("properties") && !has_equal_members(members))
       add_rows(members, name + ".", rows, later);
   }
 }

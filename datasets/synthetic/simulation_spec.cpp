@@ -113,6 +113,12 @@ struct HeightRange {
     f("order", self.order,
       opt("share of all orders around the circle, from rising to falling heights", {0.0, 1.0}));
   }
+  void check(const JsonPlace& place) const {
+    if (mean_m < 0.5 * spread_m)
+      place.at("spread_m")
+          .refuse(fmt::format("is {:g} about a height of {:g} m, which puts sensors below the floor",
+                              spread_m, mean_m));
+  }
 };
 
 std::vector<Joint> joints_of_groups(const std::vector<std::string>& groups) {

@@ -77,8 +77,8 @@ struct SensorSpec {
 
   static void fields(auto& self, auto&& f) {
     f("rate_hz", self.rate_hz, opt("of frames", {1.0, 1000.0}));
-    f("nearest_m", self.nearest_m, opt("at which a joint is seen", kNotNegative));
-    f("farthest_m", self.farthest_m, opt("at which a joint is seen", kPositive));
+    f("nearest_m", self.nearest_m, opt("at which a joint is seen", {0.0, 100.0}));
+    f("farthest_m", self.farthest_m, opt("at which a joint is seen", {0.0, 100.0, true}));
     f("dropped_share", self.dropped_share, opt("of frames", {0.0, 1.0}));
     f("clock_drift_ppm", self.clock_drift_ppm, opt("uniform in +-, of sensor and machine", {0.0, 500.0}));
     f("latency_s", self.latency_s, opt("exposure to arrival, the constant part", {0.0, 1.0}));

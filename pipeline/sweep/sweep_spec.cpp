@@ -229,7 +229,7 @@ void SweepRig::fields(SweepRig& self, Fields& f) {
   double radius_m = 2.0;
   if (is_circle) {
     f("heights_m", heights_m, opt("of sensors on a circle, spread evenly"));
-    f("radius_m", radius_m, opt("of that circle", kPositive));
+    f("radius_m", radius_m, opt("of that circle", {0.0, kMaxDistance_m, true}));
   }
   if (f.has("sensors_m", false)) f("sensors_m", self.sensors_m, opt("positions, instead of heights"));
   if (f.reads())

@@ -281,6 +281,38 @@ TEST(SimulationSpec, HeightsMayBeARangeInAnyOrder) {
   EXPECT_EQ(orders.size(), 24u);
 }
 
+TEST(SimulationSpec, HeightsBelowTheFloorAreRefused) {
+  const auto refused = [](const std::string& heights) {
+    return message_of([&] {
+      parse_simulation(parse_json(R"({"format": "trilat.simulation", "version": 1, "rig": {"heights_m": )" +
+                                      heights + "}}",
+                                  "sim.json"),
+                       "sim.json", {});
+    });
+  };
+  EXPECT_THAT(
+      refused(R"({"mean_m": 1, "spread_m": 2.1})"),
+      testing::HasSubstr("/rig/heights_m/spread_m: is 2.1 about a height of 1 m, which puts sensors below"));
+  EXPECT_EQ(refused(R"({"mean_m": 1, "spread_m": 2})"), "no error");
+  EXPECT_THAT(refused("[1, -0.2]"),
+              testing::HasSubstr("/rig/heights_m/1: must lie between 0 and 8, is -0.2"));
+}
+
+// What is alike for all groups stands in one row, and a value of two shapes says both.
+TEST(SimulationSpec, ItsKeysAreDescribed) {
+  std::set<std::string> described;
+  const std::string text = markdown_of_schema(simulation_schema(), "simulation.json", described);
+  for (const char* row : {"| `body_tracker` | object or text |",
+                          "| `body_tracker.drift_sigma_m` | number or object of `trunk`, `head`,",
+                          "| `body_tracker.lag_s` | number, 0.0 to 10.0 | `0.0",
+                          "| `rig.heights_m` | list or object; 1 to 8 of them |",
+                          "| `rig.heights_m.order` | number, 0.0 to 1.0 | `0.0` |",
+                          "| `sensor.farthest_m` | number above 0, at most 100.0 | `4.5` |",
+                          "| `name` | text | `\"simulated\"` |"})
+    EXPECT_THAT(text, testing::HasSubstr(row));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("drift_sigma_m.trunk")));
+}
+
 TEST(SimulationSpec, SensorsShareTheArc) {
   RigSpec rig;
   rig.arc_rad = std::numbers::pi / 2.0;

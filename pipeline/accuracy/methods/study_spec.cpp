@@ -21,7 +21,7 @@ void Stage::visit_settings(Stage& self, Fields& f) {
         "arrived by then, held as long as sensor_gap_s"));
   if (f.when(self.frames == FrameChoice::newest))
     f("frame_late_s", self.frame_late_s,
-      opt("a frame that arrives so long after its exposure is dropped", kPositive));
+      opt("a frame that arrives so long after its exposure is dropped", {0.0, 3600.0, true}));
   f("repair_exchanges", self.repair_exchanges,
     opt("left and right that a sensor has exchanged are exchanged back"));
 }
