@@ -156,7 +156,7 @@ void Fields::tag(const char* key, std::size_t& number, const std::vector<std::st
                  const std::string& meaning) {
   if (reads()) {
     known_.push_back(key);
-    if (!read_->contains(key)) refuse(key, "is missing");
+    if (!read_->contains(key)) refuse(key, "is missing; allowed: " + join_names(words));
     number = json_value::read_word(read_->at(key), place_.at(key), words);
   } else if (describes()) {
     json_["properties"][key] = {{"const", words.at(number)}};
@@ -175,10 +175,12 @@ void Fields::format(const char* name, int version) {
   }
   std::string format = name;
   std::int64_t number = version;
+  if (reads() && !read_->contains("format"))
+    refuse("format", fmt::format("is missing; here it must be \"{}\"", name));
   (*this)("format", format, "version", number);
   if (format != name) refuse("format", verb_that_reads(format) + "must be \"" + name + '"');
   if (number != version)
-    refuse("version", fmt::format("must be {}, the version that this program reads", version));
+    refuse("version", fmt::format("must be {}, the version that this program reads, is {}", version, number));
 }
 
 void Fields::removed(const char* key, const std::string& instead) const {
@@ -256,8 +258,7 @@ std::size_t read_word(const Json& json, const JsonPlace& place, const std::vecto
   want(place, json, json.is_string(), "a text");
   const auto word = json.get<std::string>();
   const auto found = std::ranges::find(known, word);
-  if (found == known.end())
-    place.refuse("is \"" + word + "\", which is unknown; " + known_names(word, known));
+  if (found == known.end()) place.refuse("unknown value \"" + word + "\"; " + known_names(word, known));
   return static_cast<std::size_t>(found - known.begin());
 }
 

@@ -72,7 +72,7 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 
 std::string known_names(std::string_view word, const std::vector<std::string>& known) {
   const std::string nearest = nearest_name(word, known);
-  return "known are: " + join_names(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
+  return "allowed: " + join_names(known) + (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?");
 }
 
 }  // namespace trilat

@@ -17,7 +17,7 @@ std::string first_duplicate(const std::vector<std::string>& texts);
 // exchanged (Damerau 1964); empty when none is near.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& known);
 
-// For the end of a refusal: "known are: head, neck; did you mean \"neck\"?".
+// For the end of a refusal: "allowed: head, neck; did you mean \"neck\"?".
 std::string known_names(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace trilat

@@ -72,7 +72,7 @@ int schema(const SchemaArguments& arguments) {
   if (found == all.end()) {
     std::vector<std::string> known;
     for (const Document& document : all) known.push_back(document.name);
-    throw InputError("schema", fmt::format("knows no document \"{}\"; known are: {}", arguments.document,
+    throw InputError("schema", fmt::format("knows no document \"{}\"; allowed: {}", arguments.document,
                                            fmt::join(known, ", ")));
   }
   fmt::print("{}\n", json_text(schema_of_document(*found), 2));

@@ -51,7 +51,7 @@ TEST(StrictJson, TheNearestNameIsSuggestedAndAFarOneIsNot) {
   EXPECT_EQ(nearest_name("levitate", verbs), "");
   EXPECT_EQ(nearest_name("", verbs), "");
   EXPECT_EQ(nearest_name(std::string(100'000, 'r'), verbs), "");
-  EXPECT_EQ(known_names("x", verbs), "known are: run, merge, report, record");
+  EXPECT_EQ(known_names("x", verbs), "allowed: run, merge, report, record");
 }
 
 enum class Shade : std::uint8_t { light, dark };
@@ -153,10 +153,10 @@ TEST(Document, RefusesWithThePlaceAndWhatWouldBeRight) {
       {"/name", nullptr, "a.json /name: is missing"},
       {"/name", 7, "a.json /name: must be a text, is the integer 7"},
       {"/shade", "drak",
-       "a.json /shade: is \"drak\", which is unknown; known are: light, dark; did you mean "
+       "a.json /shade: unknown value \"drak\"; allowed: light, dark; did you mean "
        "\"dark\"?"},
       {"/is_hidden", true, "a.json /is_hidden: must be a text, is true"},
-      {"/layers/1", "celar", "a.json /layers/1: is \"celar\", which is unknown; known are: ground"},
+      {"/layers/1", "celar", "a.json /layers/1: unknown value \"celar\"; allowed: ground"},
       {"/layers/1", "walls", "a.json /layers: has \"walls\" twice"},
       {"/layers", "walls", "a.json /layers: must be a list, is the text \"walls\""},
       {"/centre_m", {1, 2}, "a.json /centre_m: must be a list of 3 numbers"},
@@ -170,21 +170,22 @@ TEST(Document, RefusesWithThePlaceAndWhatWouldBeRight) {
       {"/disc/holes", 1.5, "must be an integer of 0 or more, is the number 1.5"},
       {"/disc/holes", 9, "a.json /disc/holes: must be 0 to 8, is 9"},
       {"/disc/hole", 1,
-       "a.json /disc/hole: is an unknown key; known are: radius_m, turn_deg, holes; did you "
+       "a.json /disc/hole: is an unknown key; allowed: radius_m, turn_deg, holes; did you "
        "mean \"holes\"?"},
       {"/disc/$schema", "x", "a.json /disc/$schema: is an unknown key"},
       {"/disc", 3, "a.json /disc: must be an object, is the integer 3"},
       {"/shapes", Json::array(), "a.json /shapes: must hold at least one entry"},
-      {"/shapes/0/kind", "circle", "a.json /shapes/0/kind: is \"circle\", which is unknown"},
-      {"/shapes/0/side_m", 1, "a.json /shapes/0/side_m: is an unknown key; known are: kind, corner_m"},
+      {"/shapes/0/kind", "circle", "a.json /shapes/0/kind: unknown value \"circle\""},
+      {"/shapes/0/kind", nullptr, "a.json /shapes/0/kind: is missing; allowed: "},
+      {"/shapes/0/side_m", 1, "a.json /shapes/0/side_m: is an unknown key; allowed: kind, corner_m"},
       {"/shapes/0/corner_m", {1, 2}, "must hold 3 to 5 entries, holds 2"},
       {"/shapes/1/side_m", 0, "a.json /shapes/1/side_m: must be greater than 0, is 0"},
       {"/weights/b", -2, "a.json /weights/b: must not be less than 0, is -2"},
       {"/colour", "red", "a.json /colour: was removed; state \"shade\""},
       {"/format", "trilat.study",
        "a.json /format: is \"trilat.study\", which `trilat run` takes; here it must be \"trilat.drawing\""},
-      {"/format", nullptr, "a.json /format: is missing"},
-      {"/version", 2, "a.json /version: must be 1, the version that this program reads"}};
+      {"/format", nullptr, "a.json /format: is missing; here it must be \"trilat.drawing\""},
+      {"/version", 2, "a.json /version: must be 1, the version that this program reads, is 2"}};
   for (const auto& [pointer, value, message] : cases)
     EXPECT_THAT(refusal(pointer, value), HasSubstr(message)) << pointer;
   EXPECT_EQ(refusal("/$schema", "drawing.schema.json"), "no error");

@@ -70,7 +70,7 @@ TEST(Fuse, TheProgramWritesMarkersAndTablesAndRefusesOtherNames) {
     expect_refused(run_trilat(folder, arguments), message);
   };
   refused({"-o", "walk.bvh"}, "must end in .trc or .csv");
-  refused({"-o", csv, "--method", "psychic"}, "known are: linear");
+  refused({"-o", csv, "--method", "psychic"}, "allowed: linear");
   refused({"-o", csv, "--sensor", "k1"}, "--sensor: is for --method single; range_bearing uses all sensors");
   EXPECT_THAT(run_trilat(folder, {"fuse", session, "--calibration", calibration, "-o", csv, "--force",
                                   "--method", "single", "--sensor", campaign_sensor, "--json"})

@@ -52,7 +52,7 @@ class Studies(ScratchTest):
 class Threads(Studies):
     def test_all_kinds_are_here(self):
         said = ended("run", self.written("odd.json", {"format": "trilat.study", "version": 1, "kind": "odd", "name": "odd"})).stderr
-        self.assertEqual(set(said.strip().split("known are: ")[1].split(", ")), set(STUDIES))
+        self.assertEqual(set(said.strip().split("allowed: ")[1].split(", ")), set(STUDIES))
 
     def test_any_number_of_threads_leaves_the_same_bytes(self):
         for kind, words in self.each():

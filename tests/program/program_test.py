@@ -209,7 +209,7 @@ sys.exit(code)
         text = figures.read_text()
         self.assertIn('"style": "dots"', text)
         figures.write_text(text.replace('"style": "dots"', '"style": "dotted"', 1))
-        self.assertRegex(trilat("report", self.folder / "results", "-o", self.folder / "report", code=2), r"figures.json /figures/\d+/series/\d+/style: is \"dotted\", which is unknown; known are: dots, line")
+        self.assertRegex(trilat("report", self.folder / "results", "-o", self.folder / "report", code=2), r"figures.json /figures/\d+/series/\d+/style: unknown value \"dotted\"; allowed: dots, line")
 
     def test_names_that_differ_in_case_alone_are_noted(self):
         campaign = self.campaign()

@@ -59,7 +59,7 @@ class Take:
 
     def add(self, row: Row) -> None:
         if row.type and row.type not in ROW_TYPES and row.finished:
-            raise InputError(row.place, f'the row type "{row.type[:40]}" is unknown; known are: {", ".join(ROW_TYPES)}')
+            raise InputError(row.place, f'the row type "{row.type[:40]}" is unknown; allowed: {", ".join(ROW_TYPES)}')
         self.mirrored |= row.type == "lefthanded"
         self.is_newer |= row.cells[:2] == ["info", "version"] and "".join(row.cells[2:3]).startswith("1.1")
         if row.type == "frame":
