@@ -294,10 +294,11 @@ Json write(double value, const About& about) {
 Json number_schema(const About& about, bool is_integer, bool is_unsigned) {
   Json schema{{"type", is_integer ? "integer" : "number"}};
   const auto limit = [&](double value) {
-    return is_integer ? Json(static_cast<std::int64_t>(value)) : Json(value);
+    const bool is_whole = std::abs(value) < 1e15 && std::trunc(value) == value;
+    return is_integer || is_whole ? Json(static_cast<std::int64_t>(value)) : Json(value);
   };
   if (about.range.above)
-    schema["exclusiveMinimum"] = 0;
+    schema["exclusiveMinimum"] = limit(about.range.min);
   else if (std::isfinite(about.range.min))
     schema["minimum"] = limit(about.range.min);
   else if (is_unsigned)

@@ -41,8 +41,8 @@ struct Range {
 inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Range kNotNegative{0.0};
 
-// What is known of a field. Without a meaning it is of a file that only the program writes: a number that is
-// not finite is null, and a text may stand in a list twice.
+// What a document says of one field. A field without a meaning belongs to a file that only the program
+// writes: there a number that is not finite is null, and a list may hold a text twice.
 struct About {
   std::string meaning = {};
   Range range = {};
@@ -232,7 +232,7 @@ void read_value(const Json& json, const JsonPlace& place, const About& about, T&
   } else if constexpr (Described<T>) {
     read_document(json, place, into);
   } else if constexpr (Optional<T>) {
-    // What was written with a number that is not finite is read back with NaN.
+    // A number that is not finite was written as null: null is NaN, not an empty optional.
     const bool is_empty =
         json.is_null() && about.meaning.empty() && !std::is_same_v<T, std::optional<double>>;
     into.reset();

@@ -97,7 +97,7 @@ struct MocapTake {
   std::vector<std::vector<Eigen::Vector3d>> position_m;  // by asset and frame; empty where it was not wanted
   std::vector<MissingCounts> missing = {};               // by asset, of positions that were taken out
   MocapAnomalies anomalies = {};
-  // What of the file is read in another way than it is written, a sentence each.
+  // One sentence for each thing that was read in another way than the file states it.
   std::vector<std::string> taken_as = {};
 };
 

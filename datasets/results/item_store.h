@@ -66,7 +66,7 @@ class ItemStore {
   std::filesystem::path folder_;
 };
 
-// What readers of results need of their manifest.json.
+// The keys of manifest.json that readers of results need.
 struct Manifest {
   static constexpr bool kHasMore = true;
   struct Study {

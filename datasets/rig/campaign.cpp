@@ -23,8 +23,9 @@ namespace {
 constexpr double kMinLength_m = 5e-5;  // from the lowest level to the highest; a unit may be wrong by 1000
 constexpr double kMinCosine = 0.8;
 
-// What lies at one height of a person who stands, from the top. The arms may be anywhere.
 using enum Joint;
+// The joints of each level of a standing person, from the highest level. Arms may be anywhere: they have
+// none.
 const std::array<std::vector<Joint>, UpAxisEstimator::kLevels> kJointsOfLevel{
     {{head},
      {neck, spine_shoulder, shoulder_left, shoulder_right},
@@ -65,6 +66,11 @@ std::vector<std::string> read_assets(const Json& json, const JsonPlace& place) {
 }
 
 Json assets_schema() { return {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}; }
+
+// Refuses a key that says something only together with another, which is missing.
+void refuse_useless(const Fields& f, const char* key, const char* without) {
+  if (f.has(key, false)) f.refuse(key, fmt::format("is of no use without \"{}\"", without));
+}
 
 // The mapping of a take without a session, whose points may have any name.
 struct PointMapping {
@@ -144,16 +150,15 @@ void Take::fields(Take& self, Fields& f) {
   const auto needs = [&](const char* key, bool is_needed) {
     if (is_needed && !f.has(key, false)) f.refuse(key, "is missing");
   };
-  const auto useless = [&](const char* key, bool is_useless, const char* without) {
-    if (is_useless && f.has(key, false)) f.refuse(key, fmt::format("is of no use without \"{}\"", without));
-  };
   const bool needs_session = self.joints.empty();
   needs("session", needs_session);
   needs("calibration", has_session || needs_session);
-  for (const char* key : {"calibration", "mocap_start_host_ns"}) useless(key, !has_session, "session");
+  if (!has_session)
+    for (const char* key : {"calibration", "mocap_start_host_ns"}) refuse_useless(f, key, "session");
   if (!has_session && !has_mocap) f.refuse("mocap", "is missing: against what are the joints held?");
   for (const char* key : {"mapping", "mocap_start_host_ns"}) needs(key, has_session && has_mocap);
-  for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"}) useless(key, !has_mocap, "mocap");
+  if (!has_mocap)
+    for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"}) refuse_useless(f, key, "mocap");
 }
 
 void Take::check(const JsonPlace& place) const {
@@ -175,6 +180,8 @@ void CampaignWand::fields(CampaignWand& self, Fields& f) {
     f("asset", self.asset, f.describes() ? opt("whose position is the ball's centre") : need("with mocap"));
     f("mocap_start_host_ns", self.mocap_start_host_ns,
       f.describes() ? opt("what the recording's host clock showed at its first frame") : need("with mocap"));
+  } else {
+    for (const char* key : {"asset", "mocap_start_host_ns"}) refuse_useless(f, key, "mocap");
   }
   f("ball_radius_m", self.ball_radius_m, opt("of the wand's ball", kBallRadius_m));
 }

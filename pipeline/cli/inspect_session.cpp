@@ -236,7 +236,7 @@ int verify(const VerifyArguments& arguments) {
     const Json json{{"sound", errors == 0}, {"errors", errors}, {"findings", list}};
     fmt::print("{}\n", json_text(json, 2));
   } else {
-    std::set<std::string> reported;  // what several findings endanger is said once
+    std::set<std::string> reported;  // what findings endanger, each printed once
     std::map<std::string, std::size_t> alike;
     for (const Finding& f : findings) ++alike[kind_of(f)];
     for (const Finding& f : findings) {

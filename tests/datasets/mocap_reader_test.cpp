@@ -201,7 +201,7 @@ TEST(MocapReader, CountsPrintedTimesThatDoNotFitTheRate) {
   EXPECT_EQ(take.anomalies.printed_time_differs, 1);
 }
 
-// Of times that are frame / 100 Hz but for one that is 0.4 ms late.
+// Every time is frame / 100 Hz, but one is 0.4 ms late.
 TEST(MocapReader, TellsTheLargestErrorOfThePrintedTimes) {
   const WholeTake take = read(keys("1.23") + "\n" + kHeadings + "10,0.1,,,,,,,,,,,\n15,0.15,,,,,,,,,,,\n" +
                               "16,0.1604,,,,,,,,,,,\n20,0.2,,,,,,,,,,,\n");

@@ -298,16 +298,16 @@ TEST(SimulationSpec, HeightsBelowTheFloorAreRefused) {
               testing::HasSubstr("/rig/heights_m/1: must lie between 0 and 8, is -0.2"));
 }
 
-// What is alike for all groups stands in one row, and a value of two shapes says both.
+// Members of an object that are alike share one row, and a value that may have two shapes names both.
 TEST(SimulationSpec, ItsKeysAreDescribed) {
   std::set<std::string> described;
   const std::string text = markdown_of_schema(simulation_schema(), "simulation.json", described);
   for (const char* row : {"| `body_tracker` | object or text |",
                           "| `body_tracker.drift_sigma_m` | number or object of `trunk`, `head`,",
-                          "| `body_tracker.lag_s` | number, 0.0 to 10.0 | `0.0",
+                          "| `body_tracker.lag_s` | number, 0 to 10 | `0.0",
                           "| `rig.heights_m` | list or object; 1 to 8 of them |",
-                          "| `rig.heights_m.order` | number, 0.0 to 1.0 | `0.0` |",
-                          "| `sensor.farthest_m` | number above 0, at most 100.0 | `4.5` |",
+                          "| `rig.heights_m.order` | number, 0 to 1 | `0.0` |",
+                          "| `sensor.farthest_m` | number above 0, at most 100 | `4.5` |",
                           "| `name` | text | `\"simulated\"` |"})
     EXPECT_THAT(text, testing::HasSubstr(row));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("drift_sigma_m.trunk")));

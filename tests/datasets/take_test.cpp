@@ -92,5 +92,26 @@ TEST(CampaignFile, PathsMayLeadAnywhereButToPipes) {
   EXPECT_THAT(refusal_of_path(folder, "mocap", "pipe"), HasSubstr("is a device, a pipe or a socket"));
 }
 
+// What reading says of a campaign with these keys more in its wand and its take.
+std::string refusal_with(const Json& of_wand, const Json& of_take) {
+  Json json = parse_json(R"({"format": "trilat.campaign", "version": 1, "name": "x",
+      "takes": [{"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json"}],
+      "wand": {"session": "w.h5"}})",
+                         "c.json");
+  json["wand"].update(of_wand);
+  json["takes"][0].update(of_take);
+  return message_of([&] { parse_campaign(json, "c.json"); });
+}
+
+TEST(CampaignFile, AKeyOfNoUseWithoutAnotherNamesIt) {
+  const std::string without_mocap = ": is of no use without \"mocap\"";
+  EXPECT_EQ(refusal_with(Json::object(), Json::object()), "no error");
+  EXPECT_EQ(refusal_with({{"asset", "Ball"}}, Json::object()), "c.json /wand/asset" + without_mocap);
+  EXPECT_EQ(refusal_with({{"mocap_start_host_ns", 5}}, Json::object()),
+            "c.json /wand/mocap_start_host_ns" + without_mocap);
+  EXPECT_EQ(refusal_with(Json::object(), {{"mapping", "m.json"}}), "c.json /takes/0/mapping" + without_mocap);
+  EXPECT_EQ(refusal_with(Json::object(), {{"up_axis", "z"}}), "c.json /takes/0/up_axis" + without_mocap);
+}
+
 }  // namespace
 }  // namespace trilat

@@ -49,7 +49,7 @@ TEST(HiddenViews, AreThoseThatATrackerWhichKnowsThemInfers) {
   EXPECT_THAT(ids, testing::Contains("rules"));
 }
 
-// Rules are judged by the views that see the joint, so a sensor that sees nobody adds no view.
+// A sensor that sees nobody adds no view: rules are judged by the views that see the joint.
 TEST(HiddenViews, RulesAreJudgedByTheViewsThatSeeTheJoint) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "c", swinging_spec());

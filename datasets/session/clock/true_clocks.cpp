@@ -9,7 +9,7 @@
 namespace trilat {
 namespace {
 
-// truth.json of a simulated take, as far as its clocks go.
+// The part of a simulated take's truth.json that concerns clocks.
 struct SensorTruth {
   static constexpr bool kHasMore = true;
   std::string name;

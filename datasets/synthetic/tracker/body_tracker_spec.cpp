@@ -76,7 +76,7 @@ void check_limits(const JsonPlace& place, double value, const Range& range) {
 
 struct Declared {
   BodyTrackerSpec spec;
-  // By parameter; an interval as text, empty where there is none.
+  // Texts by parameter; an interval is empty where the source states none.
   std::map<std::string, std::string> units, sources, intervals;
 };
 

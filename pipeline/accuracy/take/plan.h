@@ -42,7 +42,7 @@ struct PlannedTake {
   HostTime start;
   std::uint64_t instants = 0;
   std::string span_note;  // names sensors that recorded only a part of it
-  NamedPoints points{};   // of the mocap, by the plan's names, where there is no session
+  NamedPoints points{};   // mocap's points by the plan's names, of a take without a session
 };
 
 // The work of a run, in an order that does not depend on threads. The id of a work item is the id of its
