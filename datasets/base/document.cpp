@@ -109,6 +109,12 @@ void Fields::renamed(const char* key, const std::string& now) const {
   if (reads() && read_->contains(key)) refuse(key, "is called \"" + now + "\" now");
 }
 
+void Fields::useless(std::initializer_list<const char*> keys, const std::string& condition) const {
+  if (reads())
+    for (const char* key : keys)
+      if (read_->contains(key)) refuse(key, "is of no use " + condition);
+}
+
 std::set<std::string> Fields::keys() const {
   std::set<std::string> keys;
   if (reads())

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <optional>
@@ -135,6 +136,8 @@ class Fields {
   void removed(const char* key, const std::string& instead) const;
   void removed(const char* key, const std::string& word, const std::string& instead) const;
   void renamed(const char* key, const std::string& now) const;
+  // Refuses keys that need the value of another: "is of no use without \"each\"".
+  void useless(std::initializer_list<const char*> keys, const std::string& condition) const;
   // The keys of what is read.
   std::set<std::string> keys() const;
 

@@ -67,11 +67,6 @@ std::vector<std::string> read_assets(const Json& json, const JsonPlace& place) {
 
 Json assets_schema() { return {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}}; }
 
-// Refuses a key that says something only together with another, which is missing.
-void refuse_useless(const Fields& f, const char* key, const char* without) {
-  if (f.has(key, false)) f.refuse(key, fmt::format("is of no use without \"{}\"", without));
-}
-
 // The mapping of a take without a session, whose points may have any name.
 struct PointMapping {
   NamedPoints joints;
@@ -153,12 +148,10 @@ void Take::fields(Take& self, Fields& f) {
   const bool needs_session = self.joints.empty();
   needs("session", needs_session);
   needs("calibration", has_session || needs_session);
-  if (!has_session)
-    for (const char* key : {"calibration", "mocap_start_host_ns"}) refuse_useless(f, key, "session");
+  if (!has_session) f.useless({"calibration", "mocap_start_host_ns"}, "without \"session\"");
   if (!has_session && !has_mocap) f.refuse("mocap", "is missing: against what are the joints held?");
   for (const char* key : {"mapping", "mocap_start_host_ns"}) needs(key, has_session && has_mocap);
-  if (!has_mocap)
-    for (const char* key : {"mapping", "mocap_start_host_ns", "up_axis"}) refuse_useless(f, key, "mocap");
+  if (!has_mocap) f.useless({"mapping", "mocap_start_host_ns", "up_axis"}, "without \"mocap\"");
 }
 
 void Take::check(const JsonPlace& place) const {
@@ -181,7 +174,7 @@ void CampaignWand::fields(CampaignWand& self, Fields& f) {
     f("mocap_start_host_ns", self.mocap_start_host_ns,
       f.describes() ? opt("what the recording's host clock showed at its first frame") : need("with mocap"));
   } else {
-    for (const char* key : {"asset", "mocap_start_host_ns"}) refuse_useless(f, key, "mocap");
+    f.useless({"asset", "mocap_start_host_ns"}, "without \"mocap\"");
   }
   f("ball_radius_m", self.ball_radius_m, opt("of the wand's ball", kBallRadius_m));
 }

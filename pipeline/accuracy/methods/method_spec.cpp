@@ -29,7 +29,10 @@ void visit_sets(Fields& f, MethodSpec& m) {
   if (f.reads()) m.each = each.value_or(0);
   if (const std::size_t used = m.kind->sensors; m.each > 0 && used > 0 && m.each != used)
     f.refuse("each", fmt::format("must be {}: {} uses so many sensors", used, m.kind->name));
-  if (f.when(m.each > 0)) f("most_sets", m.most_sets, opt("at most so many sets", {1.0, 1000.0}));
+  if (f.when(m.each > 0))
+    f("most_sets", m.most_sets, opt("at most so many sets", {1.0, 1000.0}));
+  else
+    f.useless({"most_sets"}, "without \"each\"");
 }
 
 void visit_occlusion(Fields& f, MethodSpec& m) {
@@ -39,10 +42,13 @@ void visit_occlusion(Fields& f, MethodSpec& m) {
         "truly hidden"));
   const bool is_off = m.occlusion == OcclusionRule::off, uses_one = m.kind->sensors == 1;
   if (!is_off && uses_one) f.refuse("occlusion", "leaves a method of one sensor nothing to choose from");
-  if (!f.when(!is_off) || uses_one) return;
+  if (uses_one) return;
+  if (!f.when(!is_off)) return f.useless({"inferred_is_occluded", "fewest_sensors"}, "without \"occlusion\"");
   if (f.reads() && m.occlusion == OcclusionRule::hidden) m.inferred_is_occluded = false;
   if (m.occlusion != OcclusionRule::inferred)
     f("inferred_is_occluded", m.inferred_is_occluded, opt("an inferred joint counts as one crossing more"));
+  else
+    f.useless({"inferred_is_occluded"}, "with \"occlusion\": \"inferred\"");
   f("fewest_sensors", m.fewest_sensors,
     opt("those with the fewest crossings come back until there are so many", {1.0, kMaxSensors}));
 }

@@ -22,6 +22,8 @@ void Stage::visit_settings(Stage& self, Fields& f) {
   if (f.when(self.frames == FrameChoice::newest))
     f("frame_late_s", self.frame_late_s,
       opt("a frame that arrives so long after its exposure is dropped", {0.0, 3600.0, true}));
+  else
+    f.useless({"frame_late_s"}, "without \"frames\": \"newest\"");
   f("repair_exchanges", self.repair_exchanges,
     opt("left and right that a sensor has exchanged are exchanged back"));
 }
