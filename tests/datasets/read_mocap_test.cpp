@@ -82,7 +82,7 @@ void expect_wand(const WholeTake& take) {
   EXPECT_EQ(take.frames[2].time.ns, 20'000'000);
 }
 
-TEST(MocapReader, ReadsEveryVersionWithLabelledRows) {
+TEST(ReadMocap, ReadsEveryVersionWithLabelledRows) {
   for (const char* version : {"1.22", "1.23", "1.24", "1.25"}) {
     const WholeTake take = read(keys(version) + "\n" + kHeadings + kRows);
     expect_wand(take);
@@ -90,7 +90,7 @@ TEST(MocapReader, ReadsEveryVersionWithLabelledRows) {
   }
 }
 
-TEST(MocapReader, KeepsWhatTheHeaderSays) {
+TEST(ReadMocap, KeepsWhatTheHeaderSays) {
   const MocapHeader header = read(keys("1.23") + "\n" + kHeadings + kRows).header;
   EXPECT_EQ(header.take_name, "walk");
   EXPECT_EQ(header.take_notes, "");
@@ -103,7 +103,7 @@ TEST(MocapReader, KeepsWhatTheHeaderSays) {
   EXPECT_EQ(header.assets[1].id, "2A:77");
 }
 
-TEST(MocapReader, ReadsVersionsWhoseRowsHaveNoLabels) {
+TEST(ReadMocap, ReadsVersionsWhoseRowsHaveNoLabels) {
   for (const char* version : {"1.2", "1.21"}) {
     const std::string rows =
         "\n,,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
@@ -116,7 +116,7 @@ TEST(MocapReader, ReadsVersionsWhoseRowsHaveNoLabels) {
   }
 }
 
-TEST(MocapReader, FindsTheColumnsBehindATimeCode) {
+TEST(ReadMocap, FindsTheColumnsBehindATimeCode) {
   const WholeTake take = read(keys("1.24") +
                               "\n,Type,,Marker,Marker,Marker\n,Name,,a,a,a\n,ID,,\"1\",\"1\",\"1\"\n,,,"
                               "Position,Position,Position\nFrame,Time (Seconds),TimeCode,X,Y,Z\n"
@@ -124,7 +124,7 @@ TEST(MocapReader, FindsTheColumnsBehindATimeCode) {
   EXPECT_EQ(take.frames.at(0).poses.at(0).position_m, Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(MocapReader, KeepsTheParentsOfBones) {
+TEST(ReadMocap, KeepsTheParentsOfBones) {
   const WholeTake take =
       read(keys("1.25") +
            "\n,Type,Bone,Bone,Bone\n,Name,P:Head,P:Head,P:Head\n,ID,1,1,1\n,Parent,P:Neck,P:Neck,P:Neck\n,,"
@@ -133,7 +133,7 @@ TEST(MocapReader, KeepsTheParentsOfBones) {
   EXPECT_EQ(take.header.assets[0].parent, "P:Neck");
 }
 
-TEST(MocapReader, ReadsWhatASpreadsheetHasSaved) {
+TEST(ReadMocap, ReadsWhatASpreadsheetHasSaved) {
   std::string text = std::string("\xEF\xBB\xBF").append(keys("1.23"));
   text.insert(text.size() - 1, ",,,,");
   text += ",,,,,,,,,,,,,,,,\n" + kHeadings + kRows + ",,,,,,\n";
@@ -145,7 +145,7 @@ TEST(MocapReader, ReadsWhatASpreadsheetHasSaved) {
   EXPECT_EQ(take.anomalies.rows_with_extra_fields, 0);
 }
 
-TEST(MocapReader, TakesCommasInTheTakeName) {
+TEST(ReadMocap, TakesCommasInTheTakeName) {
   std::string text = keys("1.23") + "\n" + kHeadings + kRows;
   text.replace(text.find("walk"), 4, "walk, then run");
   EXPECT_EQ(read(text).header.take_name, "walk,then run");
@@ -153,7 +153,7 @@ TEST(MocapReader, TakesCommasInTheTakeName) {
   EXPECT_EQ(read(text).header.take_name, "walk, then run");
 }
 
-TEST(MocapReader, ConvertsEveryUnitToMetres) {
+TEST(ReadMocap, ConvertsEveryUnitToMetres) {
   const std::vector<std::pair<std::string, double>> units{
       {"Meters", 1.0}, {"Centimeters", 0.01}, {"Millimeters", 0.001}, {"Inches", 0.0254}, {"Feet", 0.3048}};
   for (const auto& [unit, metres] : units) {
@@ -164,7 +164,7 @@ TEST(MocapReader, ConvertsEveryUnitToMetres) {
   }
 }
 
-TEST(MocapReader, MakesTimeFromTheFrameIndexNotFromRoundedDecimals) {
+TEST(ReadMocap, MakesTimeFromTheFrameIndexNotFromRoundedDecimals) {
   std::string head = keys("1.23");
   head.replace(head.find("Export Frame Rate,100.000000"), 28, "Export Frame Rate,360.000000");
   const WholeTake take =
@@ -174,7 +174,7 @@ TEST(MocapReader, MakesTimeFromTheFrameIndexNotFromRoundedDecimals) {
   EXPECT_EQ(take.anomalies.printed_time_differs, 0);
 }
 
-TEST(MocapReader, FrameTimesAreExactAfterADay) {
+TEST(ReadMocap, FrameTimesAreExactAfterADay) {
   EXPECT_EQ(duration_of_frames(0, 120'000'000).ns, 0);
   EXPECT_EQ(duration_of_frames(1, 120'000'000).ns, 8'333'333);
   EXPECT_EQ(duration_of_frames(2, 120'000'000).ns, 16'666'667);
@@ -182,7 +182,7 @@ TEST(MocapReader, FrameTimesAreExactAfterADay) {
   EXPECT_EQ(duration_of_frames(29'970'030, 29'970'030).ns, 1'000'000'000'000'000);
 }
 
-TEST(MocapReader, TimeIsZeroAtTheFirstExportedFrameAndGapsStayGaps) {
+TEST(ReadMocap, TimeIsZeroAtTheFirstExportedFrameAndGapsStayGaps) {
   const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "72210,722.1,1,2,3\n72211,722.11,1,2,3\n"
                               "72300,723,1,2,3\n");
@@ -194,7 +194,7 @@ TEST(MocapReader, TimeIsZeroAtTheFirstExportedFrameAndGapsStayGaps) {
   EXPECT_EQ(take.anomalies.printed_time_differs, 0);
 }
 
-TEST(MocapReader, CountsPrintedTimesThatDoNotFitTheRate) {
+TEST(ReadMocap, CountsPrintedTimesThatDoNotFitTheRate) {
   const WholeTake take =
       read(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n1,0.02,1,2,3\n2,0.04,1,2,3\n");
   EXPECT_EQ(take.frames.at(2).time.ns, 20'000'000);
@@ -202,14 +202,14 @@ TEST(MocapReader, CountsPrintedTimesThatDoNotFitTheRate) {
 }
 
 // Every time is frame / 100 Hz, but one is 0.4 ms late.
-TEST(MocapReader, TellsTheLargestErrorOfThePrintedTimes) {
+TEST(ReadMocap, TellsTheLargestErrorOfThePrintedTimes) {
   const WholeTake take = read(keys("1.23") + "\n" + kHeadings + "10,0.1,,,,,,,,,,,\n15,0.15,,,,,,,,,,,\n" +
                               "16,0.1604,,,,,,,,,,,\n20,0.2,,,,,,,,,,,\n");
   EXPECT_NEAR(take.anomalies.largest_time_error_s, 0.0004, 1e-12);
   EXPECT_TRUE(std::isnan(read(keys("1.23") + "\n" + kHeadings).anomalies.largest_time_error_s));
 }
 
-TEST(MocapReader, UsesPrintedTimesOnlyWhenNoRateIsStated) {
+TEST(ReadMocap, UsesPrintedTimesOnlyWhenNoRateIsStated) {
   std::string head = keys("1.23");
   head.erase(head.find("Capture Frame Rate"),
              head.find("Capture Start Time") - head.find("Capture Frame Rate"));
@@ -219,7 +219,7 @@ TEST(MocapReader, UsesPrintedTimesOnlyWhenNoRateIsStated) {
   EXPECT_EQ(csv_refusal(head + "\n" + kMarkerHeadings + "5,,1,2,3\n").place, "F:8");
 }
 
-TEST(MocapReader, ReadsAnExportWithoutAnyAsset) {
+TEST(ReadMocap, ReadsAnExportWithoutAnyAsset) {
   const WholeTake take = read(keys("1.23") +
                               "\n,Type\n,Name\n,ID\n,\nFrame,Time (Seconds)\n"
                               "0,0.000000\n1,0.010000\n");
@@ -227,18 +227,18 @@ TEST(MocapReader, ReadsAnExportWithoutAnyAsset) {
   EXPECT_EQ(take.frames.size(), 2u);
 }
 
-TEST(MocapReader, ReadsAHeaderWithoutRows) {
+TEST(ReadMocap, ReadsAHeaderWithoutRows) {
   EXPECT_TRUE(read(keys("1.23") + "\n" + kMarkerHeadings).frames.empty());
 }
 
-TEST(MocapReader, GivesUnnamedColumnsAName) {
+TEST(ReadMocap, GivesUnnamedColumnsAName) {
   const WholeTake take = read(keys("1.23") +
                               "\n,Type,Marker,Marker,Marker\n,Name,,,\n,ID,,,\n,,Position,Position,"
                               "Position\nFrame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n");
   EXPECT_EQ(key_of(take.header, 0), "marker:column 3");
 }
 
-TEST(MocapReader, KeepsTwoAssetsOfOneTypeAndNameApart) {
+TEST(ReadMocap, KeepsTwoAssetsOfOneTypeAndNameApart) {
   const std::string text = keys("1.23") + "\n,Type" + repeat(",Marker", 9) + "\n,Name" + repeat(",a", 9) +
                            "\n,ID" + repeat(",1", 3) + repeat(",2", 6) + "\n," + repeat(",Position", 9) +
                            "\nFrame,Time (Seconds)" + repeat(",X,Y,Z", 3) + "\n0,0,1,1,1,2,2,2,3,3,3\n";
@@ -249,7 +249,7 @@ TEST(MocapReader, KeepsTwoAssetsOfOneTypeAndNameApart) {
   EXPECT_THROW(find_asset(take.header, "marker:a#2", "map"), InputError);
 }
 
-TEST(MocapReader, TreatsEverySpellingOfNoNumberAsMissing) {
+TEST(ReadMocap, TreatsEverySpellingOfNoNumberAsMissing) {
   const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "0,0,NAN,nan,NaN\n1,0.01,-1.#IND0000,#IND,1.#QNAN\n"
                               "2,0.02,inf,-Infinity,1.#INF\n3,0.03, 1 ,\"2\",+3e0\n");
@@ -259,7 +259,7 @@ TEST(MocapReader, TreatsEverySpellingOfNoNumberAsMissing) {
   EXPECT_EQ(take.anomalies.not_finite_cells, 9);
 }
 
-TEST(MocapReader, DropsHalfAPositionAndCountsIt) {
+TEST(ReadMocap, DropsHalfAPositionAndCountsIt) {
   const WholeTake take =
       read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,,1,1,2,3,,4,,6\n1,0.01,0,0,0,2,1,2,3,,4,5,6\n");
   EXPECT_TRUE(take.frames.at(0).poses[0].has_position());
@@ -267,7 +267,7 @@ TEST(MocapReader, DropsHalfAPositionAndCountsIt) {
   EXPECT_EQ(take.anomalies.partial_poses, 1);
 }
 
-TEST(MocapReader, RotationsAreNotReadAndAssetsWithNothingElseHaveNoPosition) {
+TEST(ReadMocap, RotationsAreNotReadAndAssetsWithNothingElseHaveNoPosition) {
   const WholeTake take =
       read(keys("1.23") + "\n,Type" + repeat(",Bone", 3) + "\n,Name" + repeat(",b", 3) + "\n,ID" +
            repeat(",1", 3) + "\n,,Rotation,Rotation,Rotation\nFrame,Time (Seconds),X,Y,Z\n0,0,a,b,c\n");
@@ -276,14 +276,14 @@ TEST(MocapReader, RotationsAreNotReadAndAssetsWithNothingElseHaveNoPosition) {
   EXPECT_FALSE(take.frames.at(0).poses[0].has_position());
 }
 
-TEST(MocapReader, RefusesTheRowsOfArenaWithTheLineThatConvertsThem) {
+TEST(ReadMocap, RefusesTheRowsOfArenaWithTheLineThatConvertsThem) {
   for (const char* first : {"comment,\"own\"", "righthanded", "info,version,1.1", "frame,0,0,0,0"})
     EXPECT_THAT(csv_refusal(std::string(first) + "\n").problem,
                 AllOf(HasSubstr("in the rows of Arena"), HasSubstr("python3 -m trilat.convert arena "),
                       HasSubstr(".motive.csv")));
 }
 
-TEST(MocapReader, LivesWithCutAndOverlongRows) {
+TEST(ReadMocap, LivesWithCutAndOverlongRows) {
   const WholeTake take =
       read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,2,3\n1,0.01,0,0,0,1,1,2,3,,4,5,6,7\n2,0.02\n\n");
   ASSERT_EQ(take.frames.size(), 3u);
@@ -295,7 +295,7 @@ TEST(MocapReader, LivesWithCutAndOverlongRows) {
 }
 
 // Without a rate in the header the printed times are all there is.
-TEST(MocapReader, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
+TEST(ReadMocap, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
   std::string head = keys("1.23");
   for (const std::string key : {"Capture Frame Rate", "Export Frame Rate"})
     if (const std::size_t at = head.find(key); at != std::string::npos)
@@ -307,7 +307,7 @@ TEST(MocapReader, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
   EXPECT_EQ(take.anomalies.repeated_frames, 1);
 }
 
-TEST(MocapReader, DropsRowsWhoseFrameDoesNotAdvance) {
+TEST(ReadMocap, DropsRowsWhoseFrameDoesNotAdvance) {
   const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
                               "3,0,1,2,3\n3,0,9,9,9\n4,0.01,1,2,4\n2,0,9,9,9\n5,0.02,1,2,5\n");
   ASSERT_EQ(take.frames.size(), 3u);
@@ -315,7 +315,7 @@ TEST(MocapReader, DropsRowsWhoseFrameDoesNotAdvance) {
   EXPECT_EQ(take.anomalies.repeated_frames, 2);
 }
 
-TEST(MocapReader, DoesNotTrustTheRowInWhichTheFileEnds) {
+TEST(ReadMocap, DoesNotTrustTheRowInWhichTheFileEnds) {
   const std::string whole = keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n";
   EXPECT_FALSE(read(whole).anomalies.truncated_last_row);
   const WholeTake cut = read(whole + "1,0.01,1,2");
@@ -329,7 +329,7 @@ TEST(MocapReader, DoesNotTrustTheRowInWhichTheFileEnds) {
   EXPECT_EQ(read(keys("1.23") + "\n" + kMarkerHeadings + "12,0,1,2,3").frames.at(0).time.ns, 0);
 }
 
-TEST(MocapReader, ReadsOnlyWhatIsWanted) {
+TEST(ReadMocap, ReadsOnlyWhatIsWanted) {
   const TemporaryFile file(keys("1.23") + "\n" + kHeadings + "0,0,x,x,x,x,x,x,x,x,4,5,6\n");
   const MocapTake take = read_mocap(file.path(), {.assets = {{1}}});
   ASSERT_EQ(take.position_m.size(), 2u);
@@ -337,7 +337,7 @@ TEST(MocapReader, ReadsOnlyWhatIsWanted) {
   EXPECT_EQ(take.position_m[1], std::vector{Eigen::Vector3d(4, 5, 6)});
 }
 
-TEST(MocapReader, NamesTheLineAndTheAssetOfABadCell) {
+TEST(ReadMocap, NamesTheLineAndTheAssetOfABadCell) {
   const Refusal text = csv_refusal(keys("1.23") + "\n" + kHeadings + kRows + "3,0.03,0,0,0,1,1,abc,3\n");
   EXPECT_EQ(text.place, "F:11");
   EXPECT_THAT(text.problem,
@@ -352,7 +352,7 @@ TEST(MocapReader, NamesTheLineAndTheAssetOfABadCell) {
               HasSubstr("column 2 (time)"));
 }
 
-TEST(MocapReader, SaysWhichHeaderValueIsWrong) {
+TEST(ReadMocap, SaysWhichHeaderValueIsWrong) {
   const Refusal unit = csv_refusal(keys("1.23", "Furlongs") + "\n" + kHeadings);
   EXPECT_EQ(unit.place, "F:1");
   EXPECT_THAT(unit.problem, AllOf(HasSubstr("\"Length Units\" is \"Furlongs\""), HasSubstr("Feet")));
@@ -361,7 +361,7 @@ TEST(MocapReader, SaysWhichHeaderValueIsWrong) {
   EXPECT_THAT(csv_refusal(rate + "\n" + kHeadings).problem, HasSubstr("Export Frame Rate"));
 }
 
-TEST(MocapReader, RefusesPositionColumnsThatAreNotComplete) {
+TEST(ReadMocap, RefusesPositionColumnsThatAreNotComplete) {
   const Refusal refusal = csv_refusal(
       keys("1.23") +
       "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
@@ -369,7 +369,7 @@ TEST(MocapReader, RefusesPositionColumnsThatAreNotComplete) {
   EXPECT_THAT(refusal.problem, HasSubstr("marker \"a\""));
 }
 
-TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
+TEST(ReadMocap, RefusesWhatIsNoExportWithOneClearMessage) {
   EXPECT_EQ(csv_refusal("").place, "F:1");
   EXPECT_THAT(csv_refusal("").problem, HasSubstr("empty"));
   for (const std::string& text : {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12),
@@ -384,14 +384,14 @@ TEST(MocapReader, RefusesWhatIsNoExportWithOneClearMessage) {
   EXPECT_THROW(read_mocap("/nowhere/take.csv"), InputError);
 }
 
-TEST(MocapReader, RefusesALineThatNeverEnds) {
+TEST(ReadMocap, RefusesALineThatNeverEnds) {
   const Refusal refusal =
       csv_refusal(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n" + std::string(18u << 20, '1') + "\n");
   EXPECT_EQ(refusal.place, "F:9");
   EXPECT_THAT(refusal.problem, HasSubstr("16 MiB"));
 }
 
-TEST(MocapReader, PlainDecimalsAreReadAsTheLibraryReadsThem) {
+TEST(ReadMocap, PlainDecimalsAreReadAsTheLibraryReadsThem) {
   for (const char* text : {"0", "-0.000001", "3.717927", "-2659.741943", "123456789012345", ".5", "5.", "0.1",
                            "0.30000000000000", "-0"}) {
     double value = 1.0;
@@ -427,7 +427,7 @@ WholeTake read_in_blocks(const std::string& text, std::size_t block_bytes) {
   return whole_take(file.path(), {.block_bytes = block_bytes});
 }
 
-TEST(MocapReader, ReadsTheSameInBlocksOfAnySize) {
+TEST(ReadMocap, ReadsTheSameInBlocksOfAnySize) {
   for (const std::string& text : {keys("1.23") + "\n" + kHeadings + kRows}) {
     const WholeTake whole = read(text);
     for (const std::size_t block_bytes : {1u, 2u, 3u, 7u, 64u, 1000u})
