@@ -28,7 +28,7 @@ template <>
 inline constexpr std::array words<PaperStudy>{"none",    "table1",      "table2", "table3",
                                               "sensors", "calibration", "clocks"};
 inline constexpr const char* kPaperStudyMeaning =
-    "the paper's experiment that the study repeats: its claims are judged by these results";
+    "Experiment of the paper that the study repeats: its claims are judged by these results";
 inline std::string name_of(PaperStudy paper) { return word_of(paper); }
 
 // Which reader `folder` wants; InputError when it is no results folder of this version.

@@ -45,22 +45,28 @@ void SensorPose::fields(SensorPose& self, Fields& f) {
   std::optional<LowerTriangle> lower;
   if (self.covariance) lower = lower_triangle_of(*self.covariance);
   const bool was_measured = self.used > 0;
-  f("name", self.name, need("of the sensor"));
-  f("position_m", self.world_from_sensor.translation_m, need("in the world", {-100.0, 100.0}));
-  f("rotation_xyzw", xyzw, need("world from sensor, unit quaternion"));
-  f("position_sigma_m", self.position_sigma_m, opt("one standard deviation", {0.0, 100.0}));
-  f("rotation_sigma_rad", self.rotation_sigma_rad, opt("one standard deviation", {0.0, 10.0}));
+  f("name", self.name, need("Name of the sensor"));
+  f("position_m", self.world_from_sensor.translation_m, need("Position in the world", {-100.0, 100.0}));
+  f("rotation_xyzw", xyzw, need("Unit quaternion that turns the sensor's frame into the world"));
+  f("position_sigma_m", self.position_sigma_m,
+    opt("Standard deviation, root mean square over the axes", {0.0, 100.0}));
+  f("rotation_sigma_rad", self.rotation_sigma_rad,
+    opt("Standard deviation, root mean square over the axes", {0.0, 10.0}));
   f("covariance", lower,
-    opt("lower triangle, row by row, of (rotation vector in world axes, rad; position, m)"));
+    opt("Lower triangle, row by row, of the covariance of (rotation vector in world axes, rad; position, "
+        "m)"));
   if (f.writes_if(was_measured || self.depth_offset_m != 0.0 || self.depth_offset_sigma_m != 0.0)) {
-    f("depth_offset_m", self.depth_offset_m, opt("of the unit, subtracted from depth", {-0.5, 0.5}));
-    f("depth_offset_sigma_m", self.depth_offset_sigma_m, opt("one standard deviation", {0.0, 100.0}));
+    f("depth_offset_m", self.depth_offset_m,
+      opt("Depth offset of the unit, subtracted from depth", {-0.5, 0.5}));
+    f("depth_offset_sigma_m", self.depth_offset_sigma_m,
+      opt("Standard deviation of that offset", {0.0, 100.0}));
   }
   if (f.writes_if(was_measured || self.residual_rms_m != 0.0))
-    f("residual_rms_m", self.residual_rms_m, opt("of the sightings used", {0.0, 100.0}));
+    f("residual_rms_m", self.residual_rms_m,
+      opt("Root mean square residual of the sightings used, an axis", {0.0, 100.0}));
   if (f.writes_if(was_measured || self.left_out > 0)) {
-    f("used", self.used, opt("sightings"));
-    f("left_out", self.left_out, opt("sightings"));
+    f("used", self.used, opt("Number of sightings used"));
+    f("left_out", self.left_out, opt("Number of sightings left out"));
   }
   if (!f.reads()) return;
   if (!(std::abs(xyzw.norm() - 1.0) <= kUnitTolerance))

@@ -41,10 +41,11 @@ struct RejectedSighting {
   std::optional<double> off_by_m = std::nullopt;  // from where the others put it; empty where two disagree
 
   static void fields(auto& self, auto&& f) {
-    f("sensor", self.sensor, need("that saw the wand"));
-    f("position", self.position, need("number of the place"));
-    f("time_s", self.time_s, need("in the session"));
-    f("off_by_m", self.off_by_m, opt("from where the others put it", kNotNegative));
+    f("sensor", self.sensor, need("Sensor that saw the wand"));
+    f("position", self.position, need("Number of the place"));
+    f("time_s", self.time_s, need("Time in the session"));
+    f("off_by_m", self.off_by_m,
+      opt("Distance from where the others put the ball; left out where two sensors disagree", kNotNegative));
   }
 };
 
@@ -54,8 +55,8 @@ struct CalibrationSource {
   std::string sha256;
 
   static void fields(auto& self, auto&& f) {
-    f("file", self.file, need("session or other input"));
-    f("sha256", self.sha256, need("of its content"));
+    f("file", self.file, need("Session or other input"));
+    f("sha256", self.sha256, need("SHA-256 of its content"));
   }
 };
 
@@ -78,15 +79,20 @@ struct Calibration {
 
   static void fields(auto& self, auto&& f) {
     f.format("trilat.calibration");
-    f("method", self.method, need("how the sensors were calibrated"));
-    f("world", self.world, opt("whose frame the positions are in"));
-    f("simulated", self.simulated, opt("every table says so"));
-    f("sensors", self.sensors, need("with their poses").items(1));
-    if (f.writes_if(self.positions > 0)) f("positions", self.positions, opt("of the wand"));
-    f("reduced_chi2", self.reduced_chi2, opt("of the refinement", kNotNegative));
-    if (f.writes_if(!self.rejected.empty())) f("rejected", self.rejected, opt("sightings"));
-    if (f.writes_if(!self.sources.empty())) f("sources", self.sources, opt("what it was computed from"));
-    if (f.writes_if(!self.program.empty())) f("program", self.program, opt("version that wrote it"));
+    f("method", self.method, need("Way in which the sensors were calibrated"));
+    f("world", self.world,
+      opt("World of the poses: optitrack; wand, whose origin is the wand's first place, with x towards the "
+          "second and the third on the side of y; or a sensor's name"));
+    f("simulated", self.simulated, opt("Whether the sensors are virtual; every table says so"));
+    f("sensors", self.sensors, need("Sensors with their poses").items(1));
+    if (f.writes_if(self.positions > 0)) f("positions", self.positions, opt("Number of places of the wand"));
+    f("reduced_chi2", self.reduced_chi2, opt("Reduced chi-squared of the refinement", kNotNegative));
+    if (f.writes_if(!self.rejected.empty()))
+      f("rejected", self.rejected, opt("Sightings that were left out"));
+    if (f.writes_if(!self.sources.empty()))
+      f("sources", self.sources, opt("Files that it was computed from"));
+    if (f.writes_if(!self.program.empty()))
+      f("program", self.program, opt("Version of the program that wrote it"));
   }
   void check(const JsonPlace& place) const;
 };

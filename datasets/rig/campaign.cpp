@@ -72,7 +72,8 @@ struct PointMapping {
   NamedPoints joints;
   static void fields(auto& self, auto&& f) {
     f.format("trilat.mapping");
-    f("joints", self.joints, need("each with the assets whose mean it is"));
+    f("joints", self.joints,
+      need("Joints, each with the assets whose mean it is; it is there only while all of them are"));
   }
 };
 
@@ -124,9 +125,9 @@ void Take::fields(Take& self, Fields& f) {
   const auto file = [&](const char* key, auto& path, const char* meaning) {
     if (f.writes_if(!path.empty())) f(key, path, opt(meaning));
   };
-  f("id", self.id, need("of the take; names its files"));
-  f("participant", self.participant, need("who is seen"));
-  f("activity", self.activity, opt("what the person does: the condition"));
+  f("id", self.id, need("Name of the take and of its files"));
+  f("participant", self.participant, need("Person who is seen"));
+  f("activity", self.activity, opt("Activity of the person, the condition in studies"));
   file("session", self.session, "recording, relative to this file; a take may have joints instead");
   file("calibration", self.calibration, "of the sensors");
   file("mocap", self.mocap,
@@ -135,12 +136,12 @@ void Take::fields(Take& self, Fields& f) {
   const bool has_mocap = !self.mocap.empty(), has_session = !self.session.empty();
   if (f.writes_if(has_mocap && has_session))
     f("mocap_start_host_ns", self.mocap_start_host_ns,
-      opt("what the recording's host clock showed at the first frame of the truth"));
+      opt("Reading of the recording's host clock at the first frame of the truth"));
   if (f.writes_if(has_mocap))
-    visit_up_axis(f, self.up_axis, "of the truth's world; y where it is not stated");
+    visit_up_axis(f, self.up_axis, "Axis of the truth's world that points up; y where it is not stated");
   if (f.writes_if(!self.joints.empty()))
     f("joints", self.joints,
-      opt("what other methods or systems gave, beside the session or instead of it").items(1));
+      opt("Joints of other methods or systems, beside the session or instead of it").items(1));
   if (!f.reads()) return;
   const auto needs = [&](const char* key, bool is_needed) {
     if (is_needed && !f.has(key, false)) f.refuse(key, "is missing");
@@ -167,16 +168,17 @@ void Take::check(const JsonPlace& place) const {
 }
 
 void CampaignWand::fields(CampaignWand& self, Fields& f) {
-  f("session", self.session, need("recording in which the wand is held still at many places"));
+  f("session", self.session, need("Recording in which the wand is held still at many places"));
   if (f.has("mocap", !self.mocap.empty())) {
-    f("mocap", self.mocap, opt("OptiTrack's export of it"));
-    f("asset", self.asset, f.describes() ? opt("whose position is the ball's centre") : need("with mocap"));
+    f("mocap", self.mocap, opt("OptiTrack's export of it; without one the poses have a world of their own"));
+    f("asset", self.asset,
+      f.describes() ? opt("Asset whose position is the ball's centre") : need("with mocap"));
     f("mocap_start_host_ns", self.mocap_start_host_ns,
-      f.describes() ? opt("what the recording's host clock showed at its first frame") : need("with mocap"));
+      f.describes() ? opt("Reading of the recording's host clock at its first frame") : need("with mocap"));
   } else {
     f.useless({"asset", "mocap_start_host_ns"}, "without \"mocap\"");
   }
-  f("ball_radius_m", self.ball_radius_m, opt("of the wand's ball", kBallRadius_m));
+  f("ball_radius_m", self.ball_radius_m, opt("Radius of the wand's ball", kBallRadius_m));
 }
 
 void Campaign::check(const JsonPlace& place) const {

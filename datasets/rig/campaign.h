@@ -83,7 +83,8 @@ struct JointMapping {
 
   static void fields(auto& self, auto&& f) {
     f.format("trilat.mapping");
-    f("joints", self.joints, need("each with the assets whose mean it is"));
+    f("joints", self.joints,
+      need("Joints, each with the assets whose mean it is; it is there only while all of them are"));
   }
 };
 
@@ -105,14 +106,16 @@ struct ExternalJoints {
   bool clock_by_motion = false;
 
   static void fields(auto& self, auto&& f) {
-    f("method", self.method, need("name of its rows in the tables"));
-    f("file", self.file, need("TRC, OptiTrack CSV, or a CSV with time_s, joint, x_m, y_m, z_m"));
+    f("method", self.method, need("Name of its rows in the tables"));
+    f("file", self.file,
+      need("TRC, OptiTrack CSV, or a CSV with time_s, joint, x_m, y_m, z_m (blank: missing)"));
     if (f.writes_if(!self.mapping.empty()))
       f("mapping", self.mapping,
-        opt("of joints to the file's names; without it they are known by their names"));
+        opt("Mapping of joints to the file's names; without it they are known by their names"));
     if (f.writes_if(self.clock_by_motion))
       f.named("clock", self.clock_by_motion, {"stated", "motion"},
-              opt("stated: seconds since the recording's start; motion: found by the motion"));
+              opt("Clock of its times. stated: seconds since the recording's first instant, or without a "
+                  "session those of the motion capture; motion: found by the motion"));
   }
 };
 
@@ -159,10 +162,11 @@ struct StatedDistances {
   double ball_radius_m = kWandBallRadius_m;
 
   static void fields(auto& self, auto&& f) {
-    f("session", self.session, need("recording in which the ball is held still at these places"));
+    f("session", self.session, need("Recording in which the ball is held still at these places"));
     f("places", self.places,
-      need("CSV with from_s, to_s, sensor, distance_m, and angle_deg where it is known"));
-    f("ball_radius_m", self.ball_radius_m, opt("of the wand's ball", kBallRadius_m));
+      need("CSV with from_s and to_s (seconds since the first depth frame, while the ball is held), sensor, "
+           "distance_m to the ball's centre, and angle_deg from the lens' axis where it is known"));
+    f("ball_radius_m", self.ball_radius_m, opt("Radius of the ball", kBallRadius_m));
   }
 };
 
@@ -173,8 +177,8 @@ struct FlatWall {
   std::optional<double> distance_m = {};
 
   static void fields(auto& self, auto&& f) {
-    f("session", self.session, need("recording of a flat wall that fills the images"));
-    f("distance_m", self.distance_m, opt("from the sensors, where it was measured", {0.3, 8.0}));
+    f("session", self.session, need("Recording of a flat wall that fills the images"));
+    f("distance_m", self.distance_m, opt("Distance from the sensors, where it was measured", {0.3, 8.0}));
   }
 };
 
@@ -191,13 +195,13 @@ struct Campaign {
 
   static void fields(auto& self, auto&& f) {
     f.format("trilat.campaign");
-    f("name", self.name, need("of the campaign"));
-    f("simulated", self.simulated, opt("every table says so"));
-    f("takes", self.takes, need("what was recorded").items(1));
-    f("wand", self.wand, opt("a recording to calibrate with"));
+    f("name", self.name, need("Name of the campaign"));
+    f("simulated", self.simulated, opt("Whether anything in it is simulated; every table says so"));
+    f("takes", self.takes, need("Takes that were recorded").items(1));
+    f("wand", self.wand, opt("Recording of a wand to calibrate with"));
     if (f.writes_if(!self.stated_distances.empty()))
-      f("stated_distances", self.stated_distances, opt("recordings of a ball at measured distances"));
-    if (f.writes_if(!self.walls.empty())) f("walls", self.walls, opt("recordings of a flat wall"));
+      f("stated_distances", self.stated_distances, opt("Recordings of a ball at measured distances"));
+    if (f.writes_if(!self.walls.empty())) f("walls", self.walls, opt("Recordings of a flat wall"));
   }
   void check(const JsonPlace& place) const;
 };

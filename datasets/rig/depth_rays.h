@@ -26,10 +26,10 @@ struct AxialNoise {
   double angle_mm = 0.1;
 
   static void fields(auto& self, auto&& f) {
-    f("level_mm", self.level_mm, opt("constant part", {-100.0, 100.0}));
-    f("slope_mm", self.slope_mm, opt("for a metre of depth", {-100.0, 100.0}));
-    f("square_mm", self.square_mm, opt("for a square metre", {-100.0, 100.0}));
-    f("angle_mm", self.angle_mm, opt("with the angle to the surface", {-100.0, 100.0}));
+    f("level_mm", self.level_mm, opt("Constant part", {-100.0, 100.0}));
+    f("slope_mm", self.slope_mm, opt("Part for each metre of depth", {-100.0, 100.0}));
+    f("square_mm", self.square_mm, opt("Part for each square metre", {-100.0, 100.0}));
+    f("angle_mm", self.angle_mm, opt("Part by the angle to the surface", {-100.0, 100.0}));
   }
   double sigma_m(double depth_m, double angle_rad) const {
     const double share = angle_rad / (std::numbers::pi / 2.0 - angle_rad);

@@ -107,11 +107,11 @@ struct HeightRange {
   double mean_m = 1.4, spread_m = 1.6, order = 0.0;
 
   static void fields(auto& self, auto&& f) {
-    f("sensors", self.sensors, opt("how many", {1.0, 8.0}));
-    f("mean_m", self.mean_m, opt("height", {0.1, 5.0}));
-    f("spread_m", self.spread_m, opt("between the lowest and the highest", {0.0, 5.0}));
+    f("sensors", self.sensors, opt("Number of sensors", {1.0, 8.0}));
+    f("mean_m", self.mean_m, opt("Mean height", {0.1, 5.0}));
+    f("spread_m", self.spread_m, opt("Difference between the lowest and the highest", {0.0, 5.0}));
     f("order", self.order,
-      opt("share of all orders around the circle, from rising to falling heights", {0.0, 1.0}));
+      opt("Share of all orders of the heights around the circle, from rising to falling", {0.0, 1.0}));
   }
   void check(const JsonPlace& place) const {
     if (mean_m < 0.5 * spread_m)
@@ -160,13 +160,13 @@ Json RigSpec::Heights::schema(const About& about) {
 }
 
 void ActivitySpec::fields(ActivitySpec& self, Fields& f) {
-  f("name", self.activity, need("what the person does"));
-  f("duration_s", self.duration_s, opt("of the take", {0.1, 1e6}));
+  f("name", self.activity, need("Movement of the person"));
+  f("duration_s", self.duration_s, opt("Length of the take", {0.1, 1e6}));
   std::vector<std::string> names;
   for (const Joint joint : default_marker_joints(self.activity)) names.emplace_back(name_of(joint));
   if (f.has("marker_joints", false)) {
     f("marker_joints", names,
-      opt("joints that carry markers; without it the paper's of the activity")
+      opt("Joints that carry markers; without it the paper's of the activity")
           .items(1)
           .one_of(joint_names()));
   }
@@ -176,20 +176,27 @@ void ActivitySpec::fields(ActivitySpec& self, Fields& f) {
 
 void SimulationSpec::fields(SimulationSpec& self, Fields& f) {
   f.format("trilat.simulation");
-  f("name", self.name, opt("of the campaign"));
-  f("seed", self.seed, opt("of every random number"));
-  f("participants", self.participants, opt("persons", {1.0, 10'000.0}));
-  f("stature_m", self.stature, opt("of the persons"));
-  f("recorded", self.recorded, opt("an OptiTrack take that is watched instead of generated persons"));
-  f("activities", self.activities, opt("of every person; without it walking"));
-  f("rig", self.rig, opt("where the virtual sensors stand"));
-  f("sensor", self.sensor, opt("the virtual sensor"));
-  f("body_tracker", self.body_tracker, opt("errors of its body tracker; or a body_tracker.json"));
-  f("mocap", self.mocap, opt("the virtual OptiTrack"));
-  f("room", self.room, opt("what depth sees besides persons"));
-  f("depth", self.depth, opt("errors of depth"));
-  f("wand", self.wand, opt("a calibration recording beside the takes"));
-  f("bench", self.bench, opt("recordings of a ball at stated distances, and of flat walls"));
+  f("name", self.name, opt("Name of the campaign"));
+  f("seed", self.seed, opt("Seed of every random number"));
+  f("participants", self.participants, opt("Number of persons", {1.0, 10'000.0}));
+  f("stature_m", self.stature, opt("Stature of the persons"));
+  f("recorded", self.recorded, opt("OptiTrack take that is watched instead of generated persons"));
+  f("activities", self.activities, opt("Activities of every person; without it walking"));
+  f("rig", self.rig, opt("Places of the virtual sensors"));
+  f("sensor", self.sensor, opt("Virtual sensor"));
+  f("body_tracker", self.body_tracker,
+    opt("Body tracker's values that differ from the declared ones, or the file or content of a "
+        "body_tracker.json. Sigmas are per axis. Values of joints are one number for all, or an object of "
+        "groups; 0 switches an error off. Bias and drift are sums of a part that all sensors share, one that "
+        "goes with the direction of view (view_, as cosine and sine of the body's azimuth) and one of each "
+        "sensor (own_)"));
+  f("mocap", self.mocap, opt("Virtual OptiTrack"));
+  f("room", self.room, opt("Surroundings that depth sees besides persons"));
+  f("depth", self.depth, opt("Errors of depth"));
+  f("wand", self.wand, opt("Calibration recording beside the takes, in the folder wand"));
+  f("bench", self.bench,
+    opt("Recordings in which all sensors stand at one point and look at a ball at stated distances, and "
+        "squarely at flat walls"));
   if (!f.reads()) return;
   for (const char* key : {"participants", "stature_m"})
     if (self.recorded && f.has(key, false))

@@ -41,21 +41,27 @@ struct RigSpec {
   std::optional<Eigen::Vector3d> centre_m = {};  // default: (0, 1, 0), or the middle of a real take's assets
 
   static void fields(auto& self, auto&& f) {
-    f("radius_m", self.radius_m, opt("of the circle on which the sensors stand", {0.3, 20.0}));
+    f("radius_m", self.radius_m, opt("Radius of the circle on which the sensors stand", {0.3, 20.0}));
     f("heights_m", self.heights_m,
-      opt("above the floor, one a sensor, or an object of sensors, mean_m, spread_m and order", {0.0, 8.0})
+      opt("Heights above the floor, one a sensor, named k1, k2 and so on; or an object of heights at equal "
+          "steps",
+          {0.0, 8.0})
           .items(1, 8));
     f("arc_deg", self.arc_rad,
-      opt("of the circle, in equal parts: a sensor stands in the middle of each", {1.0, 360.0},
-          kRadPerDegree));
+      opt("Part of the circle, in degrees: of n sensors, which look at the centre, the i-th stands at "
+          "arc_start_deg + arc_deg (i - 1/2) / n (x = r sin, z = r cos from the centre)",
+          {1.0, 360.0}, kRadPerDegree));
     f("arc_start_deg", self.arc_start_rad,
-      opt("where the arc begins, from +z towards +x; a person who stands faces +z", {-360.0, 360.0},
+      opt("Start of the arc, from +z towards +x; a person who stands faces +z", {-360.0, 360.0},
           kRadPerDegree));
     f("position_sigma_m", self.position_sigma_m,
-      opt("error of the calibration that is written, an axis", {0.0, 1.0}));
-    f("rotation_sigma_deg", self.rotation_sigma_rad, opt("and of its rotations", {0.0, 45.0}, kRadPerDegree));
+      opt("Error of the positions in the calibration that is written, one standard deviation an axis: the "
+          "sensors stand elsewhere",
+          {0.0, 1.0}));
+    f("rotation_sigma_deg", self.rotation_sigma_rad,
+      opt("Error of its rotations, one standard deviation an axis", {0.0, 45.0}, kRadPerDegree));
     f("centre_m", self.centre_m,
-      opt("where they look; without it (0, 1, 0), or the middle of a recorded take"));
+      opt("Point that the sensors look at; without it (0, 1, 0), or the middle of a recorded take's assets"));
   }
 };
 
@@ -76,20 +82,24 @@ struct SensorSpec {
   double centre_spread_px = 6.0;
 
   static void fields(auto& self, auto&& f) {
-    f("rate_hz", self.rate_hz, opt("of frames", {1.0, 1000.0}));
-    f("nearest_m", self.nearest_m, opt("at which a joint is seen", {0.0, 100.0}));
-    f("farthest_m", self.farthest_m, opt("at which a joint is seen", {0.0, 100.0, true}));
-    f("dropped_share", self.dropped_share, opt("of frames", {0.0, 1.0}));
-    f("clock_drift_ppm", self.clock_drift_ppm, opt("uniform in +-, of sensor and machine", {0.0, 500.0}));
-    f("latency_s", self.latency_s, opt("exposure to arrival, the constant part", {0.0, 1.0}));
-    f("arrival_jitter_s", self.arrival_jitter_s, opt("mean of the exponential part", {0.0, 1.0}));
+    f("rate_hz", self.rate_hz, opt("Frames a second", {1.0, 1000.0}));
+    f("nearest_m", self.nearest_m, opt("Nearest distance at which a joint is seen", {0.0, 100.0}));
+    f("farthest_m", self.farthest_m, opt("Farthest distance at which a joint is seen", {0.0, 100.0, true}));
+    f("dropped_share", self.dropped_share, opt("Share of frames that are lost", {0.0, 1.0}));
+    f("clock_drift_ppm", self.clock_drift_ppm,
+      opt("Drift of the clocks of sensor and machine, uniform in +-", {0.0, 500.0}));
+    f("latency_s", self.latency_s, opt("Constant part of the time from exposure to arrival", {0.0, 1.0}));
+    f("arrival_jitter_s", self.arrival_jitter_s, opt("Mean of its exponential part", {0.0, 1.0}));
     f("exchange_period_s", self.exchange_period_s,
-      opt("between two exchanges of clock messages", {0.01, 3600.0}));
+      opt("Time between two exchanges of clock messages", {0.01, 3600.0}));
     f("exchange_jitter_s", self.exchange_jitter_s,
-      opt("mean of the exponential part of their delay", {0.0, 1.0}));
-    f("free_running", self.free_running, opt("each sensor has its own phase, clock origin and drift"));
-    f("focal_spread_px", self.focal_spread_px, opt("uniform in +-, between units", {0.0, 50.0}));
-    f("centre_spread_px", self.centre_spread_px, opt("uniform in +-, between units", {0.0, 50.0}));
+      opt("Mean of the exponential part of their delay", {0.0, 1.0}));
+    f("free_running", self.free_running,
+      opt("Whether each sensor has its own phase, clock origin and drift"));
+    f("focal_spread_px", self.focal_spread_px,
+      opt("Differences of the focal length between units, uniform in +-", {0.0, 50.0}));
+    f("centre_spread_px", self.centre_spread_px,
+      opt("Differences of the image's centre between units, uniform in +-", {0.0, 50.0}));
   }
   void check(const JsonPlace& place) const {
     if (farthest_m <= nearest_m) place.at("farthest_m").refuse("must be farther than nearest_m");
@@ -106,13 +116,17 @@ struct MocapSpec {
       0.005;  // uniform in +-, the paper's "less than 5 ms", between the stated and true start
 
   static void fields(auto& self, auto&& f) {
-    f("rate_hz", self.rate_hz, opt("of OptiTrack", {1.0, 2000.0}));
-    f("marker_noise_sigma_m", self.marker_noise_sigma_m, opt("an axis", {0.0, 1.0}));
+    f("rate_hz", self.rate_hz, opt("Frames of OptiTrack a second", {1.0, 2000.0}));
+    f("marker_noise_sigma_m", self.marker_noise_sigma_m,
+      opt("Noise of a marker, one standard deviation an axis", {0.0, 1.0}));
     f("marker_offset_m", self.marker_offset_m,
-      opt("of each of a joint's four markers from the joint", {0.0, 1.0}));
-    f("gap_share", self.gap_share, opt("of 0.2 s stretches in which a marker is lost", {0.0, 1.0}));
+      opt("Distance of each of a joint's four markers from the joint", {0.0, 1.0}));
+    f("gap_share", self.gap_share,
+      opt("Share of the stretches of 0.2 s in which a marker is lost", {0.0, 1.0}));
     f("clock_error_s", self.clock_error_s,
-      opt("uniform in +-, between the stated and the true start", {0.0, 10.0}));
+      opt("Difference between the stated and the true start, uniform in +-; of a recorded take it alone of "
+          "these has an effect",
+          {0.0, 10.0}));
   }
 };
 
@@ -132,10 +146,10 @@ struct RecordedSpec {
   std::optional<UpAxis> up_axis = {};  // not stated: y
 
   static void fields(auto& self, auto&& f) {
-    f("mocap", self.mocap, need("its export, relative to this file"));
-    f("mapping", self.mapping, need("of its assets to joints"));
-    f("activity", self.activity, opt("what studies call it"));
-    visit_up_axis(f, self.up_axis, "of its world; y where it is not stated");
+    f("mocap", self.mocap, need("OptiTrack's export, relative to this file"));
+    f("mapping", self.mapping, need("Mapping of its assets to joints"));
+    f("activity", self.activity, opt("Name of the condition in studies"));
+    visit_up_axis(f, self.up_axis, "Axis of its world that points up; y where it is not stated");
   }
 };
 
@@ -144,8 +158,8 @@ struct Stature {
   double mean_m = 1.70, half_range_m = 0.17;
 
   static void fields(auto& self, auto&& f) {
-    f("mean", self.mean_m, opt("of the persons, in metres", {0.5, 2.5}));
-    f("half_range", self.half_range_m, opt("to both sides, uniform", {0.0, 0.5}));
+    f("mean", self.mean_m, opt("Mean stature of the persons, in metres", {0.5, 2.5}));
+    f("half_range", self.half_range_m, opt("Largest difference from it, uniform to both sides", {0.0, 0.5}));
   }
   void check(const JsonPlace& place) const {
     if (mean_m - half_range_m < 0.5)

@@ -20,7 +20,8 @@ struct CalibrationSpec : RecordingsStudy {
     visit_head(self, f, StudyKind::calibration);
     for (const char* key : {"units", "samples", "distortion_units", "runs", "rig", "seed"})
       f.removed(key, "name a campaign whose recordings it takes; \"bench\" in a simulation makes some");
-    f("frames", self.frames, opt("of a place, at most, whose mean is a sample", {1.0, 1000.0}));
+    f("frames", self.frames,
+      opt("Largest number of frames of a place, whose mean is a sample", {1.0, 1000.0}));
   }
 };
 

@@ -25,8 +25,8 @@ struct ClocksSpec : RecordingsStudy {
   static void fields(auto& self, Fields& f) {
     visit_head(self, f, StudyKind::clocks);
     f("late_s", self.late_s,
-      opt("the most by which a frame may be late for the paper's queue, and from its exposure to count as in "
-          "time",
+      opt("Longest time by which a frame may be late for the paper's queue, and from its exposure to count "
+          "as in time",
           {0.0, 10.0}));
   }
 };

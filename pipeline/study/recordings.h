@@ -24,10 +24,10 @@ struct RecordingsStudy {
     std::size_t kind = 0;
     f.format("trilat.study");
     f.tag("kind", kind, {name_of(of)}, "");
-    f("name", self.name, need("of the study"));
+    f("name", self.name, need("Name of the study"));
     if (f.writes_if(false))
       f("campaign", self.campaign,
-        opt("folder of recordings, relative to this file; `--campaign` goes first"));
+        opt("Folder of recordings, relative to this file; `--campaign` goes first"));
     f("paper", self.paper, opt(kPaperStudyMeaning));
   }
   void check(const JsonPlace& place) const {

@@ -68,8 +68,8 @@ struct SolverFields {
         f(choice.key, solver.*choice.word, opt(choice.meaning).one_of(choice.known));
     if (f.writes()) return;  // these are lists of one value then
     ErrorRange range{solver.error_low_m, solver.error_high_m};
-    f("threshold", solver.threshold, opt("C, in its unit", kPositive));
-    f("error_cm", range, opt("[low, high] of the measurement errors"));
+    f("threshold", solver.threshold, opt("Stopping threshold C, in its unit", kPositive));
+    f("error_cm", range, opt("Range of the measurement errors, [low, high]; never below 0"));
     if (!f.reads()) return;
     solver.error_low_m = range.low_m;
     solver.error_high_m = range.high_m;
@@ -84,8 +84,8 @@ struct VaryFields {
 
   static void fields(auto& self, Fields& f) {
     SweepSpec& s = *self.spec;
-    f("threshold", s.thresholds, opt("values of C", kPositive).items(1));
-    f("error_cm", s.ranges, opt("ranges of the measurement errors").items(1));
+    f("threshold", s.thresholds, opt("Values of C", kPositive).items(1));
+    f("error_cm", s.ranges, opt("Ranges of the measurement errors").items(1));
     for (const SweepChoice& choice : sweep_choices()) {
       std::vector<std::string> words;
       for (const auto& [varied, names] : s.varied)
@@ -187,20 +187,42 @@ Enum value_of(const SweepSetting& setting, std::string SweepSetting::*word) {
 
 const std::vector<SweepChoice>& sweep_choices() {
   static const std::vector<SweepChoice> choices{
-      {"joint", &SweepSetting::joint, {"centre", "volume"}, "at the centre of the rig, or anywhere in it"},
+      {"joint",
+       &SweepSetting::joint,
+       {"centre", "volume"},
+       "Place of the joint. centre: (0, 1, 0) m; volume: uniform, x and z within 0.6 m, y from 0.1 to 1.9 m"},
       {"error_model",
        &SweepSetting::error_model,
        {"range_signed", "displacement", "gaussian"},
-       "of ranges, or of the joint as a sensor sees it"},
-      {"threshold_unit", &SweepSetting::threshold_unit, {"cm2", "m2"}, "in which C is counted"},
-      {"gradient", &SweepSetting::gradient, {"printed", "corrected"}, "as printed (eq. 17) or corrected"},
-      {"curvature", &SweepSetting::curvature, {"gauss_newton", "newton"}, "of the step"},
+       "Model of the measurement errors. range_signed: on ranges, magnitude uniform in error_cm, either "
+       "sign; displacement: each sensor sees the joint displaced, length uniform in error_cm, direction "
+       "uniform on the sphere; gaussian: on ranges, normal, with the middle of error_cm as mean magnitude"},
+      {"threshold_unit",
+       &SweepSetting::threshold_unit,
+       {"cm2", "m2"},
+       "Unit of C; in its square root the printed gradient counts distances"},
+      {"gradient",
+       &SweepSetting::gradient,
+       {"printed", "corrected"},
+       "Gradient: eq. 17 as printed, or corrected"},
+      {"curvature",
+       &SweepSetting::curvature,
+       {"gauss_newton", "newton"},
+       "Curvature by which a step is made"},
       {"stop",
        &SweepSetting::stop,
        {"printed", "objective", "step"},
-       "the rule: as printed (eq. 19), of the objective, or of the step"},
-      {"damping", &SweepSetting::damping, {"none", "lm"}, "of the step"},
-      {"start", &SweepSetting::start, {"linear", "squared_ranges"}, "of the descent"}};
+       "Stopping rule, as of the method nonlinear"},
+      {"damping",
+       &SweepSetting::damping,
+       {"none", "lm"},
+       "Damping of the step, as of the method nonlinear. lm has the mean of the joint as the sensors see it "
+       "as a guess, and the cell's root mean square range error as range_sigma_m; without it only sensors "
+       "exactly in one plane have the guess"},
+      {"start",
+       &SweepSetting::start,
+       {"linear", "squared_ranges"},
+       "Point at which a descent begins, as of the method nonlinear"}};
   return choices;
 }
 
@@ -219,7 +241,7 @@ Json ErrorRange::schema(const About&) {
 }
 
 void SweepRig::fields(SweepRig& self, Fields& f) {
-  f("name", self.name, need("of the rig"));
+  f("name", self.name, need("Name of the rig"));
   if (f.writes()) return f("sensors_m", self.sensors_m, opt("positions"));
   const bool is_circle = f.has("heights_m", false);
   if (f.reads() && is_circle == f.has("sensors_m", false))
@@ -228,10 +250,14 @@ void SweepRig::fields(SweepRig& self, Fields& f) {
   std::vector<double> heights_m;
   double radius_m = 2.0;
   if (is_circle) {
-    f("heights_m", heights_m, opt("of sensors on a circle, spread evenly"));
-    f("radius_m", radius_m, opt("of that circle", {0.0, kMaxDistance_m, true}));
+    f("heights_m", heights_m,
+      opt("Heights of 3 to 8 sensors on a circle; sensor i of n stands at 360 i / n degrees (x = r cos, z = "
+          "r sin)"));
+    f("radius_m", radius_m, opt("Radius of that circle", {0.0, kMaxDistance_m, true}));
   }
-  if (f.has("sensors_m", false)) f("sensors_m", self.sensors_m, opt("positions, instead of heights"));
+  if (f.has("sensors_m", false))
+    f("sensors_m", self.sensors_m,
+      opt("Positions of 3 to 8 sensors, instead of heights; not all on one line"));
   if (f.reads())
     for (std::size_t i = 0; i < heights_m.size(); ++i)
       self.sensors_m.push_back(on_circle(i, heights_m.size(), radius_m, heights_m[i]));
@@ -260,7 +286,7 @@ void SweepSpec::fields(SweepSpec& spec, Fields& f) {
   std::size_t kind = 0;
   f.format("trilat.study");
   f.tag("kind", kind, {name_of(StudyKind::threshold_sweep)}, "");
-  f("name", spec.name, need("of the study"));
+  f("name", spec.name, need("Name of the study"));
   f.removed("digits_trials", "tests hold the solvers against Ceres");
   f.removed("time_repeats", "of three rounds the fastest counts");
   f.removed("search", "scripts/fit_paper ranks interpretations of Table I");
@@ -269,18 +295,24 @@ void SweepSpec::fields(SweepSpec& spec, Fields& f) {
     f.removed(key,
               "what is constant stands in \"solver\", as {\"stop\": \"objective\"}, and what varies in "
               "\"vary\", as {\"gradient\": [\"printed\", \"corrected\"], \"threshold\": [1, 1e-4]}");
-  f("rigs", spec.rigs, need("each with its sensors").items(1));
+  f("rigs", spec.rigs, need("Rigs, each with its sensors").items(1));
   SolverFields solver{&spec};
-  f("solver", solver, opt("the setting of every cell, but for what varies"));
+  f("solver", solver, opt("Setting of every cell, but for what varies"));
   VaryFields vary{&spec, solver.given};
-  f("vary", vary, opt("keys of it with a list of values: every combination is a cell"));
+  f("vary", vary,
+    opt("Keys of the solver, each with a list of values: every combination is a cell. Skipped and counted "
+        "are the printed gradient with lm, newton without it, a linear start for sensors in one plane or "
+        "fewer than four, and step with the corrected gradient in a second unit"));
   f("paper", spec.paper, opt(kPaperStudyMeaning));
-  f("trials", spec.trials, opt("of each cell", {1.0, kMaxTrials}));
-  f("seed", spec.seed, opt("of every random number"));
-  f("max_iterations", spec.max_iterations, opt("of a descent", {1.0, kMaxSweepIterations}));
+  f("trials", spec.trials, opt("Trials of each cell", {1.0, kMaxTrials}));
+  f("seed", spec.seed,
+    opt("Seed of every random number; a trial's depend on the seed and its number only, so that all cells "
+        "see the same"));
+  f("max_iterations", spec.max_iterations,
+    opt("Largest number of iterations of a descent", {1.0, kMaxSweepIterations}));
   f("time_problems", spec.time_problems,
-    opt("problems of each cell that the scalar solver solves on one thread, timed three times, the fastest "
-        "counts; 0: the run's own times are shown",
+    opt("Problems of each cell that the scalar solver solves on one thread, timed three times, of which the "
+        "fastest counts; 0: the run's own times are shown",
         {0.0, kMaxTimed}));
 }
 

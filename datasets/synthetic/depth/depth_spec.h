@@ -21,24 +21,28 @@ struct DepthSpec {
 
   static void fields(auto& self, auto&& f) {
     auto& n = self.noise;
-    f("takes", self.takes, opt("whether takes have depth images"));
-    f("axial", n.axial, opt("noise along the axis, one standard deviation"));
-    f("lateral_sigma_m", n.lateral_sigma_m, opt("jitter across the ray, at the surface", {0.0, 0.1}));
+    f("takes", self.takes, opt("Whether takes have depth images, with the stamps of the frames of bodies"));
+    f("axial", n.axial, opt("Noise along the axis, one standard deviation"));
+    f("lateral_sigma_m", n.lateral_sigma_m, opt("Jitter across the ray, at the surface", {0.0, 0.1}));
     f("corner_noise_factor", n.corner_noise_factor,
-      opt("on axial noise in the image's corners", {0.0, 100.0}));
-    f("offset_limit_m", n.offset_limit_m, opt("constant offset of a unit, uniform in +-", {0.0, 1.0}));
+      opt("Factor on the axial noise in the image's corners", {0.0, 100.0}));
+    f("offset_limit_m", n.offset_limit_m, opt("Constant offset of a unit, uniform in +-", {0.0, 1.0}));
     f("wiggle_amplitude_low_m", n.wiggle_amplitude_low_m,
-      opt("of a unit's error that is periodic in depth", {0.0, 1.0}));
-    f("wiggle_amplitude_high_m", n.wiggle_amplitude_high_m, opt("the other end", {0.0, 1.0}));
-    f("wiggle_length_low_m", n.wiggle_length_low_m, opt("its period", {0.1, 100.0}));
-    f("wiggle_length_high_m", n.wiggle_length_high_m, opt("the other end", {0.1, 100.0}));
-    f("edge_step_m", n.edge_step_m, opt("neighbours farther apart make an edge", {0.001, 100.0}));
-    f("edge_dropped_share", n.edge_dropped_share, opt("of pixels at edges", {0.0, 1.0}));
+      opt("Smallest amplitude of a unit's error that is periodic in depth", {0.0, 1.0}));
+    f("wiggle_amplitude_high_m", n.wiggle_amplitude_high_m,
+      opt("Largest amplitude of that error", {0.0, 1.0}));
+    f("wiggle_length_low_m", n.wiggle_length_low_m, opt("Shortest period of that error", {0.1, 100.0}));
+    f("wiggle_length_high_m", n.wiggle_length_high_m, opt("Longest period of that error", {0.1, 100.0}));
+    f("edge_step_m", n.edge_step_m,
+      opt("Step in depth between neighbours that makes an edge", {0.001, 100.0}));
+    f("edge_dropped_share", n.edge_dropped_share,
+      opt("Share of the pixels at edges that are invalid", {0.0, 1.0}));
     f("grazing_limit_rad", n.grazing_limit_rad,
-      opt("from the surface's normal; beyond, a pixel is invalid", {0.1, std::numbers::pi / 2.0}));
-    f("valid_radius", n.valid_radius, opt("of the image, normalised", {0.1, 2.0}));
-    f("nearest_m", n.nearest_m, opt("that is measured", {0.1, 65.0}));
-    f("farthest_m", n.farthest_m, opt("that is measured", {0.1, 65.0}));
+      opt("Angle from the surface's normal beyond which a pixel is invalid", {0.1, std::numbers::pi / 2.0}));
+    f("valid_radius", n.valid_radius,
+      opt("Normalised radius of the image within which pixels are valid", {0.1, 2.0}));
+    f("nearest_m", n.nearest_m, opt("Nearest depth that is measured", {0.1, 65.0}));
+    f("farthest_m", n.farthest_m, opt("Farthest depth that is measured", {0.1, 65.0}));
   }
   void check(const JsonPlace& place) const {
     if (noise.farthest_m <= noise.nearest_m) place.at("farthest_m").refuse("must be farther than nearest_m");
@@ -50,9 +54,9 @@ struct DepthSpec {
 };
 
 void visit_wand_shape(auto& f, auto& shape) {
-  f("ball_radius_m", shape.ball_radius_m, opt("of its ball", {0.01, 0.3}));
-  f("stick_radius_m", shape.stick_radius_m, opt("of its stick, at most the ball's", {0.001, 0.3}));
-  f("stick_length_m", shape.stick_length_m, opt("of its stick", {0.1, 5.0}));
+  f("ball_radius_m", shape.ball_radius_m, opt("Radius of the ball", {0.01, 0.3}));
+  f("stick_radius_m", shape.stick_radius_m, opt("Radius of the stick, at most the ball's", {0.001, 0.3}));
+  f("stick_length_m", shape.stick_length_m, opt("Length of the stick", {0.1, 5.0}));
 }
 inline void check_wand_shape(const WandShape& shape, const JsonPlace& place) {
   if (shape.stick_radius_m > shape.ball_radius_m)
@@ -67,11 +71,14 @@ struct WandSpec {
 
   static void fields(auto& self, auto&& f) {
     f("positions", self.motion.positions,
-      opt("where the wand is held; the first three define the calibration's frame", {3.0, 10'000.0}));
-    f("hold_s", self.motion.hold_s, opt("at each", {0.1, 3600.0}));
-    f("move_s", self.motion.move_s, opt("from one to the next", {0.1, 3600.0}));
+      opt("Number of places where the wand is held: the first 0.6 to 0.7 m from the middle of the rig, 1 m "
+          "high, the second as far on the other side, the third 0.6 m above the first, the others within 0.9 "
+          "m of the middle, 0.4 to 1.7 m high",
+          {3.0, 10'000.0}));
+    f("hold_s", self.motion.hold_s, opt("Time at each place", {0.1, 3600.0}));
+    f("move_s", self.motion.move_s, opt("Time from one place to the next", {0.1, 3600.0}));
     visit_wand_shape(f, self.shape);
-    f("person", self.person, opt("somebody holds it"));
+    f("person", self.person, opt("Whether somebody holds the wand"));
   }
   void check(const JsonPlace& place) const { check_wand_shape(shape, place); }
 };
@@ -89,14 +96,17 @@ struct BenchSpec {
   double wall_s = 3.0;               // of each
 
   static void fields(auto& self, auto&& f) {
-    f("places", self.places, opt("of the ball", {0.0, 10'000.0}));
-    f("hold_s", self.hold_s, opt("at each", {0.05, 3600.0}));
-    f("distances_m", self.distances_m, opt("of the places from the sensors: from, to", {0.2, 8.0}));
+    f("places", self.places,
+      opt("Number of places of the ball, before a far wall and in the room with who holds it; below 0.8 m "
+          "three times as dense as beyond",
+          {0.0, 10'000.0}));
+    f("hold_s", self.hold_s, opt("Time at each place", {0.05, 3600.0}));
+    f("distances_m", self.distances_m, opt("Distances of the places from the sensors: from, to", {0.2, 8.0}));
     f("max_angle_deg", self.max_angle_rad,
-      opt("of the places, from the lens' axis", {0.0, 40.0}, kRadPerDegree));
+      opt("Largest angle of the places from the lens' axis", {0.0, 40.0}, kRadPerDegree));
     visit_wand_shape(f, self.shape);
-    f("walls_m", self.walls_m, opt("distances of flat walls, a recording each", {0.5, 7.0}).items(0, 20));
-    f("wall_s", self.wall_s, opt("of each wall", {0.1, 3600.0}));
+    f("walls_m", self.walls_m, opt("Distances of flat walls, a recording each", {0.5, 7.0}).items(0, 20));
+    f("wall_s", self.wall_s, opt("Time at each wall", {0.1, 3600.0}));
   }
   void check(const JsonPlace& place) const {
     if (distances_m[0] >= distances_m[1]) place.at("distances_m").refuse("must have the nearer end first");

@@ -38,9 +38,10 @@ struct RoomSpec {
   int walls = 3;
 
   static void fields(auto& self, auto&& f) {
-    f("half_width_m", self.half_width_m, opt("from the centre to the side walls", {0.5, 100.0}));
-    f("half_depth_m", self.half_depth_m, opt("from the centre to the other walls", {0.5, 100.0}));
-    f("walls", self.walls, opt("that the room has", {0.0, 4.0}));
+    f("half_width_m", self.half_width_m, opt("Distance from the centre to the side walls", {0.5, 100.0}));
+    f("half_depth_m", self.half_depth_m, opt("Distance from the centre to the other walls", {0.5, 100.0}));
+    f("walls", self.walls,
+      opt("Number of walls, in the order -z, -x, +x, +z; the floor lies at y = 0", {0.0, 4.0}));
   }
 };
 void append_room(DepthScene& scene, const RoomSpec& room, const Eigen::Vector3d& centre_in_world_m);

@@ -15,13 +15,14 @@ constexpr Range kFactor{1e-3, 1e3};
 void range_sigma(Fields& f, double& sigma_m) {
   if (!f.writes()) sigma_m = kUsualRangeSigma_m;
   f("range_sigma_m", sigma_m,
-    opt("standard deviation of a range: whether ranges decide the side of the sensors' plane", {0.0, 10.0}));
+    opt("Standard deviation of a range, which says whether ranges decide the side of the sensors' plane",
+        {0.0, 10.0}));
 }
 
 void linear_settings(Fields& f, MethodSpec& m) {
   const std::string all_pairs = "all_pairs";
   std::string reference = m.linear.reference == LinearReference::all_pairs ? all_pairs : m.reference;
-  f("reference", reference, opt("the sensor whose sphere is subtracted, or all_pairs; empty: the first"));
+  f("reference", reference, opt("Sensor whose sphere is subtracted, or all_pairs; empty: the first"));
   if (f.reads()) {
     m.linear.reference = reference == all_pairs ? LinearReference::all_pairs : LinearReference::one_sensor;
     m.reference = reference == all_pairs ? "" : reference;
@@ -30,22 +31,27 @@ void linear_settings(Fields& f, MethodSpec& m) {
 }
 
 void descent_settings(Fields& f, NonlinearOptions& o) {
-  f("stop", o.stop, opt("the rule: as printed (eq. 19), of the objective, or of the step"));
+  f("stop", o.stop,
+    opt("Stopping rule. printed: eq. 19 as printed; objective: the change of the objective; step: the length "
+        "of the step"));
   f("threshold_cm2", o.threshold_m2, opt("C of eq. 19", kPositive, kSquareMetresPerSquareCentimetre));
-  f("step_tolerance_m", o.step_tolerance_m, opt("ends with `stop`: `step`", kPositive));
-  f("max_iterations", o.max_iterations, opt("of each descent", {1.0, 1e6}));
+  f("step_tolerance_m", o.step_tolerance_m, opt("Length of the last step, for the rule step", kPositive));
+  f("max_iterations", o.max_iterations, opt("Largest number of iterations of each descent", {1.0, 1e6}));
   range_sigma(f, o.range_sigma_m);
-  f("start", o.start, opt("of the descent"));
+  f("start", o.start,
+    opt("Point at which a descent begins. squared_ranges: the exact minimum of the squared-range problem; "
+        "linear: the method linear; guess: the mean of the sensors' own positions"));
   if (const std::string problem = contradiction_in(o); f.reads() && !problem.empty())
     f.refuse("damping", problem);
 }
 
 void nonlinear_settings(Fields& f, MethodSpec& m) {
   NonlinearOptions& o = m.nonlinear;
-  f("gradient", o.gradient, opt("as printed (eq. 17) or corrected"));
+  f("gradient", o.gradient, opt("Gradient: eq. 17 as printed, or corrected"));
   f("damping", o.damping,
-    opt("none, as printed, or Levenberg-Marquardt from both sides of the sensors' plane"));
-  f("printed_unit_m", o.printed_unit_m, opt("unit of length of the printed gradient", kPositive));
+    opt("Damping of the step. none: as printed; lm: Levenberg-Marquardt from both sides of the sensors' "
+        "plane"));
+  f("printed_unit_m", o.printed_unit_m, opt("Unit of length of the printed gradient", kPositive));
   descent_settings(f, o);
 }
 
@@ -62,31 +68,32 @@ void range_bearing_settings(Fields& f, MethodSpec& m) {
     o.loss = Loss::cauchy;
   }
   f.named("sigma", m.sigma_is_estimated, kStatedOrEstimated,
-          opt("stated: the next two; estimated: from the disagreement of the sensors in the other half of "
-              "the take, and stated where that tells nothing"));
+          opt("Source of the standard deviations. stated: the next two keys; estimated: the disagreement of "
+              "the sensors in the other half of the take, and the stated ones where that tells nothing"));
   f("range_sigma_m", o.sigma.range_m,
-    opt("standard deviation of a sensor's position along its ray", {1e-6, 1e3}));
-  f("bearing_sigma_m", o.sigma.bearing_m, opt("and across it, in each of both directions", {1e-6, 1e3}));
+    opt("Standard deviation of a sensor's position along its ray", {1e-6, 1e3}));
+  f("bearing_sigma_m", o.sigma.bearing_m,
+    opt("Standard deviation of a sensor's position across its ray, in each of both directions", {1e-6, 1e3}));
   f("inferred_factor", o.sigma.inferred_factor,
-    opt("on both, of an inferred joint; where sigma is estimated it is, too", kFactor));
-  f("loss", o.loss, opt("of a sensor's residual in sigmas"));
-  f("loss_scale", o.loss_scale, opt("of cauchy, in sigmas", kFactor));
+    opt("Factor on both for an inferred joint; estimated, too, where sigma is", kFactor));
+  f("loss", o.loss, opt("Loss of a sensor's residual in standard deviations"));
+  f("loss_scale", o.loss_scale, opt("Scale of Cauchy's loss, in standard deviations", kFactor));
 }
 
 // The settings that methods over time share.
 template <class Options>
 void motion_settings(Fields& f, Options& o) {
-  f("sigma_m", o.sigma_m, opt("of a position, an axis", {1e-6, 10.0}));
-  f("inferred_factor", o.inferred_factor, opt("on sigma_m, of an inferred joint", kFactor));
+  f("sigma_m", o.sigma_m, opt("Standard deviation of a sensor's position, an axis", {1e-6, 10.0}));
+  f("inferred_factor", o.inferred_factor, opt("Factor on sigma_m for an inferred joint", kFactor));
   f("acceleration_density_m2_s3", o.acceleration_density_m2_s3,
-    opt("of the white acceleration that drives the motion", {1e-9, 1e9}));
-  f("longest_gap_s", o.longest_gap_s, opt("nothing is answered across a longer one", {1e-3, 3600.0}));
+    opt("Spectral density of the white acceleration that drives the motion", {1e-9, 1e9}));
+  f("longest_gap_s", o.longest_gap_s, opt("Longest gap across which there are answers", {1e-3, 3600.0}));
 }
 
 void kalman_settings(Fields& f, MethodSpec& m) {
   motion_settings(f, m.kalman);
   f("gate_sigma", m.kalman.gate_sigma,
-    opt("positions that are less likely than so many standard deviations are left out", {1.0, 1e6}));
+    opt("Distance in standard deviations beyond which a position is left out", {1.0, 1e6}));
 }
 
 void rts_settings(Fields& f, MethodSpec& m) {
@@ -99,8 +106,8 @@ void window_settings(Fields& f, MethodSpec& m) {
   f.removed("window_s", "the whole take is one problem");
   motion_settings(f, o);
   f("bone_sigma_m", o.bone_sigma_m,
-    opt("by how much a bone's length differs from its median over the take", {1e-4, 10.0}));
-  f("loss_scale_m", o.loss_scale_m, opt("of Cauchy's loss", {1e-3, 10.0}));
+    opt("Standard deviation of a bone's length from its median over the take", {1e-4, 10.0}));
+  f("loss_scale_m", o.loss_scale_m, opt("Scale of Cauchy's loss", {1e-3, 10.0}));
 }
 
 RangeProblem ranges_from(const JointInstant& instant, SensorMask sensors) {
@@ -195,8 +202,7 @@ const std::vector<MethodKind>& method_kinds() {
        .settings =
            [](Fields& f, MethodSpec& m) {
              f("outlier_m", m.mean.outlier_m,
-               opt("the position farthest from the median is left out where it is farther than this; 0: none "
-                   "is",
+               opt("Distance from the median beyond which the farthest position is left out; 0: none is",
                    {0.0, 10.0}));
            },
        .evaluate =

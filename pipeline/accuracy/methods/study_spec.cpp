@@ -10,26 +10,28 @@ namespace trilat {
 
 void Stage::visit_settings(Stage& self, Fields& f) {
   f("poses", self.poses,
-    opt("stated: of the takes' calibration; by the campaign's wand: wand, all places refined together; "
-        "two_positions, printed: the paper's eq. 6 and 7, corrected and as printed"));
+    opt("Source of the sensors' poses. stated: the takes' calibration; wand: the campaign's wand, all places "
+        "refined together; two_positions, printed: the wand's first two places by the paper's eq. 6 and 7, "
+        "corrected and as printed"));
   f("sensor_clocks", self.sensor_clocks,
-    opt("how a frame gets its time: offline, by its ticks and all exchanges of clocks; causal, by its "
-        "arrival "
-        "and the exchanges until then; printed, by eq. 20 to 22; exact, in simulations alone"));
+    opt("Source of a frame's time. offline: its ticks and all exchanges of clocks; causal: its arrival and "
+        "the exchanges until then, as in a live system; printed: eq. 20 to 22; exact: the true clocks, in "
+        "simulations alone"));
   f("frames", self.frames,
-    opt("what a sensor says at an instant: interpolated between the frames around it, or the newest that had "
-        "arrived by then, held as long as sensor_gap_s"));
+    opt("Frames that count at an instant. interpolated: those around it; newest: the newest that had arrived "
+        "by then, held for sensor_gap_s at most"));
   if (f.when(self.frames == FrameChoice::newest))
     f("frame_late_s", self.frame_late_s,
-      opt("a frame that arrives so long after its exposure is dropped", {0.0, 3600.0, true}));
+      opt("Longest time from a frame's exposure to its arrival; later frames are dropped",
+          {0.0, 3600.0, true}));
   else
     f.useless({"frame_late_s"}, "without \"frames\": \"newest\"");
   f("repair_exchanges", self.repair_exchanges,
-    opt("left and right that a sensor has exchanged are exchanged back"));
+    opt("Whether left and right that a sensor has exchanged are exchanged back"));
 }
 
 void Stage::fields(Stage& self, Fields& f) {
-  f("name", self.name, need("of the condition"));
+  f("name", self.name, need("Name of the condition"));
   visit_settings(self, f);
 }
 
@@ -53,45 +55,54 @@ void StudySpec::fields(StudySpec& self, Fields& f) {
   std::size_t kind = 0;
   f.format("trilat.study");
   f.tag("kind", kind, {name_of(StudyKind::accuracy)}, "");
-  f("name", self.name, need("of the study, printed in its tables"));
+  f("name", self.name, need("Name of the study; its tables print it"));
   if (f.writes_if(false))
-    f("campaign", self.campaign, opt("folder of takes, relative to this file; `--campaign` goes first"));
+    f("campaign", self.campaign, opt("Folder of takes, relative to this file; `--campaign` goes first"));
   f("paper", self.paper, opt(kPaperStudyMeaning));
-  f("sensors", self.sensors, opt("those that are used; empty: those of the take that has most"));
-  About joints = opt("that are judged; empty: all that the mappings map");
+  f("sensors", self.sensors, opt("Sensors that are used; empty: those of the take that has most"));
+  About joints = opt("Joints that are judged; empty: all that the mappings map");
   f("joints", self.joints, f.describes() ? std::move(joints).one_of(joint_names()) : joints);
-  f("conditions", self.conditions, opt("activities whose takes are evaluated; empty: all"));
+  f("conditions", self.conditions, opt("Activities whose takes are evaluated; empty: all"));
   f("occluded_apart", self.occluded_apart,
-    opt("samples that a sensor sees occluded make conditions of their own"));
+    opt("Whether the samples that a sensor sees occluded make conditions of their own"));
   f("truth", self.truth,
-    opt("what estimates are held against: mocap, or what each sensor in turn sees, left out of every method; "
-        "auto: mocap where any take has it"));
+    opt("Positions that estimates are compared with. mocap; left_out_sensor: what each sensor in turn sees, "
+        "left out of every method; auto: mocap where any take has it"));
   f("reference", self.reference,
-    opt("the method that the others are compared with; empty: the first; when it answers nothing, the first "
-        "that does"));
+    opt("Method that the others are compared with; empty: the first; when it answers nothing, the first that "
+        "does"));
   f("alignments", self.alignments,
-    opt("how truth and estimates are brought together before they are compared").items(1));
-  f("rate_hz", self.rate_hz, opt("of the instants that are evaluated", {0.0, 1000.0, true}));
+    opt("Ways to bring truth and estimates together before they are compared. none: as they are; first, "
+        "mean: each joint moved so that its first pair, or its mean, lies on the truth's; rigid: one "
+        "rotation and translation for all joints of a method in a take, the only one for a calibration that "
+        "is not in OptiTrack's world; joint_offset: less each joint's mean error, in the body's own frame, "
+        "of the first part of the take; held_out: as none, over the rest of the take, as joint_offset")
+        .items(1));
+  f("rate_hz", self.rate_hz, opt("Instants a second that are evaluated", {0.0, 1000.0, true}));
   f("sensor_gap_s", self.sensor_gap_s,
-    opt("no sensor is interpolated across a longer gap", {0.0, kHour_s, true}));
-  f("truth_gap_s", self.truth_gap_s, opt("nor is the truth", {0.0, kHour_s, true}));
+    opt("Longest gap across which a sensor is interpolated", {0.0, kHour_s, true}));
+  f("truth_gap_s", self.truth_gap_s,
+    opt("Longest gap across which the truth is interpolated", {0.0, kHour_s, true}));
   Stage::visit_settings(self.stage, f);
-  f("cross_check_limit_m", self.cross_check_limit_m, opt("`run --cross-check` fails beyond", kPositive));
+  f("cross_check_limit_m", self.cross_check_limit_m,
+    opt("Difference beyond which `run --cross-check` fails", kPositive));
   f("clock", self.clock,
-    opt("whether the stated start of the truth is taken as it is, checked by motion, or corrected by it"));
+    opt("Use of the stated start of the truth. stated: taken as it is; check: the same, and the offset that "
+        "the motion shows is reported; motion: that offset is applied, with the trackers' lag in it, which "
+        "motion cannot tell from a clock"));
   f("clock_search_s", self.clock_search_s,
-    opt("how far to both sides of the stated start motion is compared", {0.02, 10.0}));
+    opt("Time to both sides of the stated start over which motion is compared", {0.02, 10.0}));
   f("training_share", self.training_share,
-    opt("of a take, at its start: what the alignment joint_offset learns from", {0.05, 0.95}));
+    opt("Share of a take, at its start, that the alignment joint_offset learns from", {0.05, 0.95}));
   f("clock_error_s", self.clock_error_s,
-    opt("between truth and sensors, one standard deviation", {0.0, 1.0}));
+    opt("Standard deviation of the clock between truth and sensors", {0.0, 1.0}));
   if (f.reads()) self.stages.before = self.stage;
   if (f.writes_if(!self.stages.empty()))
     f("stages", self.stages,
-      opt("each a condition of its own: a name, and what changes beside the stage before (poses, "
-          "sensor_clocks, frames, frame_late_s, repair_exchanges)")
+      opt("Stages from recording to methods, each a condition of its own: a name, and what changes beside "
+          "the stage before (poses, sensor_clocks, frames, frame_late_s, repair_exchanges)")
           .items(1));
-  f("methods", self.methods, opt("that are compared, beside those that takes bring").items(1));
+  f("methods", self.methods, opt("Methods that are compared, beside those that takes bring").items(1));
 }
 
 void StudySpec::check(const JsonPlace& place) const {
