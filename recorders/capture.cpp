@@ -195,7 +195,7 @@ class Recording {
     return now;
   }
 
-  // What this recording left, and what recorders before it that were killed.
+  // Logs of this recording, and of recorders before it that were killed.
   std::vector<LogInput> all_logs() const {
     std::vector<LogInput> logs;
     const std::vector<LogInput> received = agents_ ? agents_->logs() : std::vector<LogInput>{};

@@ -40,7 +40,7 @@ inline bool is_torn(const SourceEvent& event) {
   return depth && depth->depth_mm.size() != kDepthPixels;
 }
 
-// Where frames come from. The one place for a virtual interface: devices, the network, files and the
+// Source of frames. The one place for a virtual interface: devices, the network, files and the
 // simulator all look the same to the recorder, which stamps, counts and stores without looking inside.
 class FrameSource {
  public:

@@ -29,7 +29,7 @@ struct SyntheticRequest {
   LiveOptions live;
 };
 
-// What such a source watches and with what; the same for equal requests.
+// Scene and sensors of a synthetic source; the same for equal requests.
 struct SyntheticSetup {
   SimulationSpec simulation;
   SimulatedItem item;
@@ -64,7 +64,7 @@ class PrefetchSource : public FrameSource {
   PrefetchSource(std::unique_ptr<FrameSource> inner, std::size_t events_ahead);
   ~PrefetchSource() override;
   const SessionHeader& header() const override { return inner_->header(); }
-  // What the inner source throws is thrown here, behind the events before it.
+  // Throws what the inner source throws, behind the events before it.
   std::optional<SourceEvent> next() override;
   void stop() override;
 

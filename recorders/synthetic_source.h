@@ -12,7 +12,7 @@
 
 namespace trilat {
 
-// What the sensors look at, as a function of the time since the start of the motion. May be asked at any
+// Scene before the sensors, as a function of the time since the start of the motion. May be asked at any
 // time, in any order and by several threads.
 using SceneMotion = std::function<DepthScene(double time_s)>;
 

@@ -24,8 +24,8 @@ void put_the_paper_first(std::vector<Table>& tables, bool simulated) {
   for (const char* answers : {"table2", "table3"}) {
     if (std::ranges::find(tables, answers, &Table::printed) == tables.end()) continue;
     for (Table& table : tables)
-      if (table.shown != Table::Shown::file)
-        table.shown = table.printed == answers ? Table::Shown::first : Table::Shown::detail;
+      if (table.shown != Table::Placement::file)
+        table.shown = table.printed == answers ? Table::Placement::first : Table::Placement::detail;
     return;
   }
 }
@@ -46,8 +46,8 @@ void add_takes(Chapter& chapter) {
 
 Chapter read_chapter(const std::filesystem::path& path, bool paper) {
   const ResultsHead head = read_results_head(path);
-  std::optional<StoredTables> stored = read_beside<StoredTables>(path);
-  std::optional<StoredFigures> figures = read_beside<StoredFigures>(path);
+  std::optional<StoredTables> stored = read_json_file<StoredTables>(path);
+  std::optional<StoredFigures> figures = read_json_file<StoredFigures>(path);
   if (!stored || !figures)
     throw InputError(path.string(), fmt::format("holds no {}: an older program made it; run its study again",
                                                 stored ? StoredFigures::kFile : StoredTables::kFile));

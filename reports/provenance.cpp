@@ -31,7 +31,7 @@ void read_manifest_into(const std::filesystem::path& results, const std::string&
   p.inputs = manifest.inputs;
 }
 
-// What run.json says of the machine and the run.
+// Keys of run.json about the machine and the run.
 struct RunRecord {
   static constexpr bool kHasMore = true;
   Provenance& p;
@@ -80,12 +80,12 @@ Provenance read_provenance(const std::filesystem::path& results, StudyKind kind,
 }
 
 std::string study_file(const Provenance& provenance) {
-  return "studies/" + usable_id(provenance.folder) + ".json";
+  return "studies/" + file_name_from(provenance.folder) + ".json";
 }
 
 std::string commands_of(const Provenance& p) {
   const bool wants_campaign = p.kind == StudyKind::accuracy;
-  const std::string folder = usable_id(p.folder);
+  const std::string folder = file_name_from(p.folder);
   if (p.is_compared) {
     std::string files, mapping;
     for (const Manifest::Input& input : p.inputs)
@@ -99,8 +99,8 @@ std::string commands_of(const Provenance& p) {
                      p.calibration.empty() ? "" : " --calibration " + p.calibration, folder, folder);
 }
 
-Table parameters_table(const std::vector<DeclaredParameter>& parameters, const std::string& studies) {
-  using R = DeclaredParameter;
+Table parameters_table(const std::vector<SimulationAssumption>& parameters, const std::string& studies) {
+  using R = SimulationAssumption;
   Table table = table_of<R>(
       "simulator", fmt::format("What the simulation behind {} assumes, with sources", studies), parameters,
       {{"parameter", "name", as_text(&R::name)},
@@ -108,7 +108,7 @@ Table parameters_table(const std::vector<DeclaredParameter>& parameters, const s
        {"unit", "unit", as_text(&R::unit)},
        {"source", "source", as_text(&R::source)}});
   const bool any_set = std::ranges::any_of(
-      parameters, [](const DeclaredParameter& p) { return p.source == kSetInTheSimulation; });
+      parameters, [](const SimulationAssumption& p) { return p.source == kSetInTheSimulation; });
   if (!any_set) add_notes(table, "parameters");
   return table;
 }

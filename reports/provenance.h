@@ -43,6 +43,6 @@ std::string commands_of(const Provenance& provenance);
 std::string study_file(const Provenance& provenance);  // "studies/table3.json"
 
 // Assumptions of the simulation of one or several studies, with sources.
-Table parameters_table(const std::vector<DeclaredParameter>& parameters, const std::string& studies);
+Table parameters_table(const std::vector<SimulationAssumption>& parameters, const std::string& studies);
 
 }  // namespace trilat

@@ -28,16 +28,16 @@ void make_id(std::string& id, const std::string& study, std::set<std::string>& i
 void check_names(const std::vector<std::filesystem::path>& results) {
   std::map<std::string, std::filesystem::path> known;
   for (const std::filesystem::path& folder : results)
-    if (const auto [found, is_new] = known.emplace(usable_id(folder_name(folder)), folder); !is_new)
+    if (const auto [found, is_new] = known.emplace(file_name_from(folder_name(folder)), folder); !is_new)
       throw InputError(folder.string(), fmt::format("has the name of {}, and a report names its tables by "
                                                     "it: rename one of the two, or write two reports",
                                                     found->second.string()));
 }
 
 std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
-  std::vector<std::pair<std::vector<DeclaredParameter>, std::string>> seen;
+  std::vector<std::pair<std::vector<SimulationAssumption>, std::string>> seen;
   for (const std::filesystem::path& folder : results) {
-    const std::vector<DeclaredParameter> parameters = read_declared_parameters(folder);
+    const std::vector<SimulationAssumption> parameters = read_declared_parameters(folder);
     if (parameters.empty()) continue;
     const auto same =
         std::ranges::find_if(seen, [&](const auto& other) { return other.first == parameters; });
@@ -49,7 +49,7 @@ std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& re
   std::vector<Table> tables;
   for (const auto& [parameters, studies] : seen) {
     tables.push_back(parameters_table(parameters, studies));
-    tables.back().id = usable_id(studies.substr(0, studies.find(',')));
+    tables.back().id = file_name_from(studies.substr(0, studies.find(',')));
   }
   return tables;
 }
@@ -59,9 +59,9 @@ void limit_shown(ReportContent& content) {
   std::size_t left = 20 - content.changes.has_value() - 2 * content.claims.has_value();
   for (Chapter& chapter : content.chapters)
     for (Table& table : chapter.tables) {
-      if (table.shown != Table::Shown::first) continue;
+      if (table.shown != Table::Placement::first) continue;
       if (left == 0)
-        table.shown = Table::Shown::detail;
+        table.shown = Table::Placement::detail;
       else
         --left;
     }
@@ -110,18 +110,18 @@ ReportContent read_report(const std::vector<std::filesystem::path>& results,
   if (changes) {
     content.changes = changes_table(*changes);
     make_id(content.changes->id, "comparison", ids);
-    content.changes->shown = Table::Shown::first;
+    content.changes->shown = Table::Placement::first;
   }
   if (paper) {
     content.claims = claims_table(*paper);
     content.errata = errata_table(*paper);
     for (Table* table : {&*content.claims, &*content.errata}) {
       make_id(table->id, "paper", ids);
-      table->shown = Table::Shown::first;
+      table->shown = Table::Placement::first;
     }
   }
   for (Chapter& chapter : content.chapters) {
-    const std::string study = usable_id(chapter.provenance.folder);
+    const std::string study = file_name_from(chapter.provenance.folder);
     for (Table& table : chapter.tables) make_id(table.id, study, ids);
     for (DrawnFigure& figure : chapter.figures) make_id(figure.figure.id, study, figure_ids);
   }

@@ -50,7 +50,7 @@ std::string markdown_of(const ReportContent& content) {
   for (const std::string& line : headline.legend) markdown += "\n- " + line;
   if (!headline.legend.empty()) markdown += '\n';
   const auto add = [&](const Table& table) {
-    if (table.shown == Table::Shown::first) markdown += "\n" + markdown_of(table);
+    if (table.shown == Table::Placement::first) markdown += "\n" + markdown_of(table);
   };
   if (content.changes) add(*content.changes);
   if (content.claims) add(*content.claims);
@@ -122,7 +122,7 @@ void write_tables(const ReportContent& content, Writer& write, const std::functi
   for (std::size_t t = 0; t < tables.size(); ++t) {
     const Table& table = *tables[t];
     write("tables/" + table.id + ".csv", table.rows_in.empty() ? csv_of(table) : read_file(table.rows_in));
-    if (table.shown != Table::Shown::file)
+    if (table.shown != Table::Placement::file)
       if (const auto latex = latex_of(table)) write("tables/" + table.id + ".tex", *latex);
     advance(static_cast<double>(t + 1) / static_cast<double>(tables.size()));
   }

@@ -33,7 +33,7 @@
 // `void check(const JsonPlace&) const`, which refuses what one key says against another.
 namespace trilat {
 
-// Where a number must lie, ends included, in the document's unit.
+// Limits of a number, ends included, in the document's unit.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ struct Range {
 inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Range kNotNegative{0.0};
 
-// What a document says of one field. A field without a meaning belongs to a file that only the program
+// Description of one field. A field without a meaning belongs to a file that only the program
 // writes: there a number that is not finite is null, and a list may hold a text twice.
 struct About {
   std::string meaning = {};
@@ -59,7 +59,7 @@ About need(std::string meaning, Range range = {}, double unit = 1.0);
 // Without the key the member keeps the value that it has: the default.
 About opt(std::string meaning, Range range = {}, double unit = 1.0);
 
-// Of a file that only the program writes: the key may be missing.
+// A key that may be missing, of a file that only the program writes.
 inline const About kMayLack{.required = false};
 
 class Fields;
@@ -81,7 +81,7 @@ Json json_of(const std::vector<T>& values);
 template <Described T>
 Json schema_of();
 
-// The same as Markdown: a table of keys with values, defaults and meanings; more for a list whose entries
+// Markdown of a schema: a table of keys with values, defaults and meanings; more for a list whose entries
 // have a key that decides which others there are. Branches that are in `described` are referred to, not
 // repeated.
 std::string markdown_of_schema(const Json& schema, const std::string& title,
@@ -89,7 +89,7 @@ std::string markdown_of_schema(const Json& schema, const std::string& title,
 
 namespace json_value {
 
-// What is done with a value of one type, whose address is given.
+// Operations on a value of one type, given its address.
 struct Type {
   void (*read)(const Json& json, const JsonPlace& place, const About& about, void* into);
   Json (*write)(const void* value, const About& about);

@@ -31,7 +31,7 @@ class InputError : public std::runtime_error {
   std::string problem_;
 };
 
-// What we have to write cannot be written (a full disk, a folder without permission): unlike other bad input
+// Output that cannot be written (a full disk, a folder without permission): unlike other bad input
 // it stops all of the work, not one item of it.
 class OutputError : public InputError {
  public:

@@ -21,13 +21,13 @@ Json read_json(const std::filesystem::path& path);
 
 // The document as text. Names from outside need not be UTF-8: bytes that are not become U+FFFD.
 std::string json_text(const Json& json, int indent);
-// The same for what has to name files and assets exactly: InputError with the text in it that is not UTF-8.
+// Text of JSON that has to name files and assets exactly: InputError with the text in it that is not UTF-8.
 std::string utf8_json_text(const Json& json, int indent);
 
 // "the number 1.5", "an object": a value as a refusal names it.
 std::string type_of(const Json& value);
 
-// Where a value of a document stands, as errors say it: the file and the JSON pointer (RFC 6901).
+// Place of a value in a document, as errors name it: the file and the JSON pointer (RFC 6901).
 struct JsonPlace {
   JsonPlace(std::filesystem::path document) : file(document.string()), folder(document.parent_path()) {}
   // `beside`: where relative paths of the document begin.

@@ -14,7 +14,7 @@ T upper_median(std::vector<T> values) {
   return *middle;
 }
 
-// The same, of an even number the mean of both.
+// Median; of an even number the mean of both in the middle.
 inline double median(std::vector<double> values) {
   const auto middle = values.begin() + std::ssize(values) / 2;
   std::nth_element(values.begin(), middle, values.end());

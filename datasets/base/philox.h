@@ -13,7 +13,7 @@ std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
 // The 53 highest bits of 64 random ones as a number in the open interval (0, 1).
 double open_unit(std::uint32_t low, std::uint32_t high);
 
-// What a random number is for. A new use gets a new entry at the end: the value is part of the key, so the
+// Purpose of a random number. A new use gets a new entry at the end: the value is part of the key, so the
 // order must not change. The evaluated method is never part of a key: all methods see the same noise.
 enum class Purpose : std::uint32_t {
   test = 0,

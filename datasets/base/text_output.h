@@ -17,7 +17,7 @@ namespace trilat {
 // A field of a CSV file as RFC 4180 has it: between quotes where a comma, a quote or the end of a line stands
 // in it, with quotes doubled. Everything that writes CSV writes texts with it.
 std::string csv_field(std::string_view text);
-// The same, always between quotes.
+// Cell of a CSV, always between quotes.
 std::string csv_quoted(std::string_view text);
 // The fields of one record, without their quotes.
 std::vector<std::string> csv_fields(std::string_view record);

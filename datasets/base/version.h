@@ -6,7 +6,7 @@
 namespace trilat {
 
 // Name and version of this program, as it goes into every file it makes.
-inline constexpr const char* kProgramVersion = "trilat 0.4.0";
+inline constexpr const char* kProgramVersion = "trilat 0.5.0";
 
 // Which build of the program this is: the hash of its file. Work that two builds share would not be known to
 // be the same.

@@ -35,7 +35,7 @@ std::uint32_t fletcher32(std::span<const std::byte> data) {
   return fold(high) << 16 | fold(low);
 }
 
-// Of at least four bytes, the last four.
+// Checksum in the last four bytes of a chunk, which has at least these.
 std::uint32_t stored_checksum(std::span<const std::byte> chunk) {
   std::uint32_t sum = 0;
   for (std::size_t byte = 0; byte < 4; ++byte)

@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// Where in a row the numbers of an asset stand; kNoColumn where it has none.
+// Columns of an asset's numbers in a row; kNoColumn where it has none.
 inline constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
 inline constexpr std::size_t kSlotsPerAsset = 3;
 inline constexpr std::array<std::string_view, kSlotsPerAsset> kSlotNames{"position X", "position Y",

@@ -34,7 +34,7 @@ struct LikelyUp {
 };
 LikelyUp likely_up(const MocapSummary& summary);
 
-// Of a take as it is written, with counts of what remove_missing() would take out.
+// Summary of a take as it is written, with counts of what remove_missing() would take out.
 MocapSummary summarize_mocap(MocapTake take);
 
 }  // namespace trilat

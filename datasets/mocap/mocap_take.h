@@ -21,9 +21,9 @@ namespace trilat {
 // A far value that stands for missing.
 inline constexpr double kFilled = std::numeric_limits<double>::infinity();
 
-// What OptiTrack calls a column's type. A rigid body marker is the solved position, present while the marker
-// is hidden; a marker is the measured one, missing while hidden. `other` is a type that is none of these and
-// yet has a position.
+// Type of a column, as OptiTrack calls it. A rigid body marker is the solved position, present while the
+// marker is hidden; a marker is the measured one, missing while hidden. `other` is a type that is none of
+// these and yet has a position.
 enum class AssetType { rigid_body, rigid_body_marker, marker, bone, bone_marker, other };
 
 std::string_view name_of(AssetType type);                 // "rigid_body", …
@@ -72,8 +72,8 @@ struct MocapAnomalies {
   std::int64_t partial_poses = 0;         // positions dropped: not all components there
   std::int64_t printed_time_differs = 0;  // rows off the frame-derived time by over a frame period
   bool truncated_last_row = false;        // the file ends inside a row, which is not trusted
-  // What the header promises and the rows there are, where the file ends before; 0 otherwise. Known at the
-  // end.
+  // Numbers of frames that the header promises and that are there, where the file ends before; 0 otherwise.
+  // Known at the end.
   std::int64_t frames_promised = 0, frames_there = 0;
   double largest_time_error_s = kNaN;  // of the printed times against the delivered ones
 };

@@ -17,7 +17,7 @@ bool is_mocap_file(const std::filesystem::path& path);
 // The header alone. InputError when the file cannot be opened or is in none of these formats.
 MocapHeader read_mocap_header(const std::filesystem::path& path);
 
-// What of a motion capture is read.
+// Part of a motion capture that is read.
 struct MocapPart {
   std::optional<std::vector<std::size_t>> assets = {};        // of the header; all of them
   MocapTime until{std::numeric_limits<std::int64_t>::max()};  // through the first frame at it
@@ -28,7 +28,7 @@ struct MocapPart {
 // markers of TRC files; the content says which. Positions come out in metres. InputError with the place where
 // something makes no sense.
 MocapTake read_mocap(const std::filesystem::path& path, const MocapPart& part = {});
-// The same without positions that are no measurement: see remove_missing().
+// Reads a motion capture without positions that are no measurement: see remove_missing().
 MocapTake read_positions(const std::filesystem::path& path, const MocapPart& part = {});
 
 // Whether a file begins with a row of column names that has time_s and joint.

@@ -50,13 +50,13 @@ struct PrintedTable3 {
 };
 
 PrintedTable3 printed_table3();
-// What it prints of a group and method; NaN where it prints nothing. `groups`: those beside which it stands,
+// Printed number of a group and method; NaN where it prints nothing. `groups`: those beside which it stands,
 // "average" among them; its average is that of its own groups and of no others.
 double printed_cm(const PrintedTable3& table, const std::vector<std::string>& groups,
                   const std::string& group, const std::string& method);
 
-// What the paper states about its calibration. It prints no table of it, and the data of its two figures are
-// not available.
+// Statements of the paper about its calibration. It prints no table of it, and the data of its two figures
+// are not available.
 struct PrintedCalibration {
   std::string source, metric;
   int samples = 0;

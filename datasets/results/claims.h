@@ -39,7 +39,7 @@ inline const char* name_of(ClaimVerdict verdict) {
   return kVerdictNames.at(static_cast<std::size_t>(verdict));
 }
 
-// What a claim of the paper comes to.
+// Judgement of a claim of the paper.
 struct JudgedClaim {
   std::string id, where, claim, printed;
   std::string reason;  // why that margin, or why there is no verdict

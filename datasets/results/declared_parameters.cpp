@@ -8,7 +8,7 @@ namespace {
 
 struct Parameters {
   static constexpr const char* kFile = "simulator.json";
-  std::vector<DeclaredParameter> parameters;
+  std::vector<SimulationAssumption> parameters;
   static void fields(auto& self, auto&& f) {
     f.format("trilat.simulator");
     f("parameters", self.parameters);
@@ -18,12 +18,12 @@ struct Parameters {
 }  // namespace
 
 void write_declared_parameters(const std::filesystem::path& folder,
-                               const std::vector<DeclaredParameter>& parameters) {
-  write_beside(folder, Parameters{parameters});
+                               const std::vector<SimulationAssumption>& parameters) {
+  write_json_file(folder, Parameters{parameters});
 }
 
-std::vector<DeclaredParameter> read_declared_parameters(const std::filesystem::path& folder) {
-  return read_beside<Parameters>(folder).value_or(Parameters{}).parameters;
+std::vector<SimulationAssumption> read_declared_parameters(const std::filesystem::path& folder) {
+  return read_json_file<Parameters>(folder).value_or(Parameters{}).parameters;
 }
 
 }  // namespace trilat

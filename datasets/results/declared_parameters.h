@@ -10,9 +10,9 @@
 namespace trilat {
 
 // A value that a simulation assumes, and what it rests on.
-struct DeclaredParameter {
+struct SimulationAssumption {
   std::string name, value, unit, source;
-  bool operator==(const DeclaredParameter&) const = default;
+  bool operator==(const SimulationAssumption&) const = default;
 
   static void fields(auto& self, auto&& f) {
     f("name", self.name, "value", self.value, "unit", self.unit, "source", self.source);
@@ -24,8 +24,8 @@ inline constexpr const char* kSetInTheSimulation = "set in the simulation";
 
 // simulator.json, in a simulated campaign and in the results that come from it.
 void write_declared_parameters(const std::filesystem::path& folder,
-                               const std::vector<DeclaredParameter>& parameters);
+                               const std::vector<SimulationAssumption>& parameters);
 // Empty when there is no such file; InputError when it is not one of these.
-std::vector<DeclaredParameter> read_declared_parameters(const std::filesystem::path& folder);
+std::vector<SimulationAssumption> read_declared_parameters(const std::filesystem::path& folder);
 
 }  // namespace trilat

@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// Its numbers are NaN where there is nothing: a point without x or y is not drawn and ends a line.
+// NaN: the point is not drawn and ends a line: a point without x or y is not drawn and ends a line.
 struct FigurePoint {
   double x = 0.0, y = 0.0;
   double low = kNaN, high = kNaN;  // an interval about y
@@ -57,7 +57,7 @@ struct FigureLine {
   static void fields(auto& self, auto&& f) { f("y", self.y, "label", self.label); }
 };
 
-// As articles print them: 85 and 178 mm, with letters of 8 pt.
+// Width of a printed figure: one column 85 mm, a page 178 mm, with letters of 8 pt.
 enum class FigureWidth : std::uint8_t { column, page };
 template <>
 inline constexpr std::array words<FigureWidth>{"column", "page"};
@@ -65,7 +65,7 @@ inline constexpr std::array words<FigureWidth>{"column", "page"};
 // A figure as data, defined once; pictures are drawn from it and never compute. The title is for what stands
 // around the picture: it is not drawn.
 struct Figure {
-  std::string id;                // usable_id(): a file name
+  std::string id;                // file_name_from(): a file name
   std::string title;             // says "simulated" where it is
   std::string caption;           // how many of what, which interval, simulated or recorded
   std::string x_label, y_label;  // with units
@@ -99,7 +99,7 @@ struct StoredFigures {
   }
 };
 
-// Under which name a series stands in the legend.
+// Legend entry of a series.
 const std::string& group_of(const FigureSeries& series);
 
 // The series, x and y under the labels of their axes and, where any point has one, the ends of its interval.

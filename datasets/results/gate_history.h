@@ -12,7 +12,7 @@
 
 namespace trilat {
 
-// What a gate says of a night. A regression that was found counts, whatever was not judged beside it.
+// Verdict of the gate on a night. A regression that was found counts, whatever was not judged beside it.
 enum class NightVerdict : std::uint8_t {
   quiet,
   regression,

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kItemFile = "item.json";
-constexpr const char* kAside = ".aside.";
+constexpr const char* kStagingPrefix = ".aside.";
 constexpr std::size_t kMaxItemBytes = std::size_t{1} << 30;
 
 // There may be very many items. What a power failure tears does not parse or has another size.
@@ -32,7 +32,7 @@ void write_unsynced(const fs::path& path, const std::string& text) {
   if (!file) throw OutputError(path.string(), std::string("cannot be written: ") + std::strerror(errno));
 }
 
-bool is_aside(const fs::path& folder) { return folder.filename().string().starts_with(kAside); }
+bool is_aside(const fs::path& folder) { return folder.filename().string().starts_with(kStagingPrefix); }
 
 // Holds the folder until it is closed; -1 where another process does.
 int locked(const fs::path& folder) {
@@ -103,16 +103,16 @@ std::size_t ItemStore::size() const {
   return count;
 }
 
-ItemStore::Aside::Aside(const ItemStore& store) {
+ItemStore::StagingFolder::StagingFolder(const ItemStore& store) {
   make_folder(store.folder_);
-  std::string name = (store.folder_ / (std::string(kAside) + "XXXXXX")).string();
+  std::string name = (store.folder_ / (std::string(kStagingPrefix) + "XXXXXX")).string();
   if (!::mkdtemp(name.data()))
     throw OutputError(store.folder_.string(), std::string("cannot be written to: ") + std::strerror(errno));
   path_ = name;
   folder_ = locked(path_);
 }
 
-ItemStore::Aside::~Aside() {
+ItemStore::StagingFolder::~StagingFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
   if (folder_ >= 0) ::close(folder_);

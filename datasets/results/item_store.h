@@ -36,10 +36,10 @@ class ItemStore {
   explicit ItemStore(const std::filesystem::path& results) : folder_(results / "items") {}
 
   std::filesystem::path folder(const std::string& key) const { return folder_ / key; }
-  // Nothing when there is none of this key. InputError, which names the file, when one is cut, or when the
-  // item is of another key than its folder says.
+  // The item of this key; nothing when there is none. InputError, which names the file, when one is cut, or
+  // when the item is of another key than its folder says.
   std::optional<StoredItem> find(const std::string& key) const;
-  // Takes an item whose files lie in `made`, a folder of an Aside; one that is there is replaced.
+  // Takes an item whose files lie in `made`, a folder of an StagingFolder; one that is there is replaced.
   void put(const std::filesystem::path& made, StoredItem item) const;
   // Removes every other item, and what killed processes were making.
   void remove_all_but(const std::set<std::string>& keys) const;
@@ -49,12 +49,12 @@ class ItemStore {
 
   // A folder in which one process makes items; removed at the end. What a killed process left is told from
   // what a running one is making by a lock.
-  class Aside {
+  class StagingFolder {
    public:
-    explicit Aside(const ItemStore& store);
-    ~Aside();
-    Aside(const Aside&) = delete;
-    Aside& operator=(const Aside&) = delete;
+    explicit StagingFolder(const ItemStore& store);
+    ~StagingFolder();
+    StagingFolder(const StagingFolder&) = delete;
+    StagingFolder& operator=(const StagingFolder&) = delete;
     const std::filesystem::path& path() const { return path_; }
 
    private:

@@ -15,7 +15,7 @@
 
 namespace trilat {
 
-// What a number of a study is about. A part that does not apply is empty.
+// Key of a number of a study. A part that does not apply is empty.
 struct NumberKey {
   std::string condition = {};  // the takes' activity, or occluded_condition() of it
   std::string group = {};      // a joint group, kAverageGroup, kBodyGroup; of one take a joint

@@ -30,7 +30,7 @@ PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& resu
     evidence.any_simulated |= head.simulated;
     evidence.is_of_the_paper |=
         head.paper == name_of(PaperStudy::table3) || head.paper == name_of(PaperStudy::table2);
-    if (const auto stored = read_beside<StoredTables>(folder))
+    if (const auto stored = read_json_file<StoredTables>(folder))
       evidence.errata.insert(stored->errata.begin(), stored->errata.end());
   }
   return evidence;

@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// What every summary.json says, whatever its kind.
+// Keys of every summary.json, whatever its kind.
 struct ResultsHead {
   static constexpr bool kHasMore = true;
   StudyKind kind = StudyKind::accuracy;
@@ -31,15 +31,15 @@ struct ResultsHead {
 // InputError with the place when `folder` holds no results of this version.
 ResultsHead read_results_head(const std::filesystem::path& folder);
 
-// What results say about the paper, as their studies stored it.
+// Evidence of results about the paper, as their studies stored it.
 struct PaperEvidence {
   bool is_of_the_paper = false;               // whether there is anything of Tables II or III
   bool any_simulated = false;                 // whether anything here comes from simulated sensors
   std::map<std::string, std::string> errata;  // what an erratum does besides, by its id
 };
 
-// Of results folders of any kind. InputError with the place when one holds no results of this version, or two
-// are of one study: it would depend on their order which of them counts.
+// Collects the evidence of results folders of any kind. InputError with the place when one holds no results
+// of this version, or two are of one study: it would depend on their order which of them counts.
 PaperEvidence read_paper_evidence(const std::vector<std::filesystem::path>& results);
 
 struct PaperFindings {

@@ -19,7 +19,7 @@ std::int64_t version_of(StudyKind kind) {
   return kind == StudyKind::calibration ? 4 : 3;
 }
 
-// Of a place where no results are.
+// Says what a folder is that holds no results.
 std::string what_it_is_instead(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   if (fs::exists(folder / "campaign.json"))
@@ -37,7 +37,7 @@ void refuse_removed_kinds(const Fields& f) {
   f.removed("kind", "recording", "kind clocks takes a campaign's sessions");
 }
 
-// Of a study, or of summary.json.
+// First keys of a study and of summary.json.
 struct StudyHead {
   static constexpr bool kHasMore = true;
   StudyKind kind = StudyKind::accuracy;

@@ -14,12 +14,12 @@
 
 namespace trilat {
 
-// Of a study and of its results.
+// Kind of a study and of its results.
 enum class StudyKind : std::uint8_t { accuracy, threshold_sweep, calibration, clocks };
 template <>
 inline constexpr std::array words<StudyKind>{"accuracy", "threshold_sweep", "calibration", "clocks"};
 inline std::string name_of(StudyKind kind) { return word_of(kind); }
-// What the study says; InputError when that is none.
+// Kind that a study states; InputError when that is none.
 StudyKind study_kind(const Json& study, const std::string& place);
 
 // The experiment of the paper that a study repeats, whose claims its numbers are evidence on.
@@ -69,12 +69,12 @@ T read_results(const std::filesystem::path& folder) {
 
 // A file that stands beside the summary. The struct states its name: `static constexpr const char* kFile`.
 template <Described T>
-void write_beside(const std::filesystem::path& folder, const T& value, int indent = 1) {
+void write_json_file(const std::filesystem::path& folder, const T& value, int indent = 1) {
   write_file(folder / T::kFile, json_text(json_of(value), indent) + "\n");
 }
-// Nothing without the file; InputError when it is not one of these.
+// Reads a file of results; nothing without the file, InputError when it is not one of these.
 template <Described T>
-std::optional<T> read_beside(const std::filesystem::path& folder) {
+std::optional<T> read_json_file(const std::filesystem::path& folder) {
   const auto path = folder / T::kFile;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return read_as<T>(read_json(path), {path});

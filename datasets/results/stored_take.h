@@ -14,8 +14,9 @@
 
 namespace trilat {
 
-// Names the axes of a take's samples. Each track holds one slot for every instant, joint and method, whether
-// the method answered or not. A track is what estimates are held against: the mocap, or a left-out sensor.
+// Joints, methods and truths of take.h5, the axes of its samples. Each track holds one slot for every
+// instant, joint and method, whether the method answered or not. A track is what estimates are held against:
+// the mocap, or a left-out sensor.
 struct TakeHead {
   std::string id, condition;  // condition: the take's activity
   std::uint64_t instants = 0;
@@ -72,7 +73,7 @@ class StoredTake {
   void write(std::size_t track, const SampleBlock& block);
   SampleBlock read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants,
                    SampleColumns columns) const;
-  // The same into the memory of an earlier block.
+  // Reads into the memory of an earlier block.
   void read(std::size_t track, std::uint64_t first_instant, std::uint64_t instants, SampleColumns columns,
             SampleBlock& block) const;
 

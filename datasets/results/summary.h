@@ -22,11 +22,11 @@ namespace trilat {
 // The plain mean of the groups of a condition, as the paper's last row; counts are sums.
 inline constexpr const char* kAverageGroup = "average";
 
-// Where the truth of results comes from.
+// Sources of the truth of results.
 inline constexpr const char* kMocapTruth = "mocap";
 inline constexpr const char* kLeftOutTruth = "left_out_sensor";
 
-// Of the samples of an activity's takes that at least one sensor sees occluded.
+// Name of the condition of the samples that at least one sensor sees occluded.
 inline std::string occluded_condition(const std::string& activity) { return activity + ", occluded"; }
 
 // One take that could not be evaluated, or something to know of one that was.
@@ -68,7 +68,7 @@ struct TakeJointRow {
 };
 
 // The methods that one entry of a study became: one for each set of so many sensors.
-struct MethodFamily {
+struct SensorSetGroup {
   std::string name;
   std::uint64_t sensors = 0;  // in a set
   std::vector<std::string> methods;
@@ -114,9 +114,9 @@ struct ResultsSummary {
   std::uint64_t takes = 0;
   std::uint64_t takes_failed = 0;
   std::uint64_t participants = 0;
-  std::vector<std::string> methods;    // in the order of the study
-  std::vector<MethodNote> legend;      // one a method
-  std::vector<MethodFamily> families;  // of some of them
+  std::vector<std::string> methods;      // in the order of the study
+  std::vector<MethodNote> legend;        // one a method
+  std::vector<SensorSetGroup> families;  // of some of them
   std::vector<BestMethod> best;
   std::string reference;                // the method that differences are against
   std::vector<std::string> conditions;  // in the order of the takes
@@ -153,7 +153,7 @@ struct ResultsSummary {
 const Number* find_error(const ResultsSummary& summary, const std::string& method,
                          const std::string& condition, const std::string& group,
                          const std::string& alignment);
-// What is asked of a method and the share of it that is answered; none where nothing is asked.
+// Number of samples asked of a method and the share answered; none where nothing is asked.
 const Number* find_coverage(const ResultsSummary& summary, const std::string& method,
                             const std::string& condition, const std::string& group,
                             const std::string& alignment);
@@ -184,13 +184,13 @@ std::vector<std::string> by_error(const ResultsSummary& summary, const std::stri
 // external ones, the paper's three, the best single sensor, mean, range_bearing, the reference and the best.
 std::vector<std::string> leading_methods(const ResultsSummary& summary, const std::string& condition);
 
-// What one method's mean error did from one set of results to another, in one condition and joint group. The
+// Change of one method's mean error from one set of results to another, in one condition and joint group. The
 // interval is of 95 %, by Student's t between participants.
 struct ErrorChange {
   std::string condition, group, method;
   double before_m = kNaN, after_m = kNaN;
   double difference_m = kNaN, low_m = kNaN, high_m = kNaN;  // after - before
-  double standard_error_m = kNaN, chance = kNaN;            // two-sided, of so much without any change
+  double standard_error_m = kNaN, p_value = kNaN;           // two-sided, of so much without any change
   std::size_t clusters = 0, degrees = 0;                    // of freedom; 0: no interval
   std::vector<std::string> without{};  // groups that the average leaves out: one side does not answer them
   bool is_real() const { return low_m > kSameDistance_m || high_m < -kSameDistance_m; }

@@ -111,15 +111,15 @@ std::string csv_of(const Table& table) {
 
 void store_tables(const std::filesystem::path& folder, StoredTables shown) {
   for (Table& table : shown.tables) {
-    if (table.shown != Table::Shown::file) continue;
+    if (table.shown != Table::Placement::file) continue;
     table.rows_in = table.id + ".csv";
     write_file(folder / table.rows_in, csv_of(table));
     table.rows.clear();
   }
-  write_beside(folder, shown, -1);
+  write_json_file(folder, shown, -1);
 }
 
-std::string usable_id(std::string text) {
+std::string file_name_from(std::string text) {
   for (const auto& [letter, plain] : kLetters)
     for (std::size_t at = 0; (at = text.find(letter, at)) != std::string::npos;) text.replace(at, 2, plain);
   const auto is_kept = [](char c) {

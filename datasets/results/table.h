@@ -41,7 +41,7 @@ struct TableValue {
   Mark mark = Mark::none;
   std::string beside = {};  // what stands behind a number: "paper 8.7"
 
-  // What most cells do not have is left out.
+  // Leaves out what most cells do not have.
   static void fields(auto& self, auto&& f) {
     f("number", self.number, "decimals", self.decimals);
     if (f.has("text", !self.text.empty())) f("text", self.text);
@@ -71,7 +71,7 @@ struct TableColumn {
   std::string key;   // lower_snake with unit, for CSV
   bool is_text = false;
   bool has_interval = false;
-  // Of the interval's ends: "mae_from_cm" of "mae_cm".
+  // Key of an end of the interval: "mae_from_cm" of "mae_cm".
   std::string key_of_end(const char* end) const;
 
   static void fields(auto& self, auto&& f) {
@@ -89,20 +89,20 @@ inline TableColumn interval_column(std::string name, std::string key) {
 std::string header_of(const TableColumn& column);
 
 // Letters, digits, '.', '_' and '-' stay, umlauts and accents are transliterated, anything else becomes '-'.
-std::string usable_id(std::string text);
+std::string file_name_from(std::string text);
 
 // A table as data; renderings are made from it and never compute.
 struct Table {
-  // Where: with what answers the study's question, among the details, or as a file alone, because it is long.
-  enum class Shown : std::uint8_t { first, detail, file };
-  std::string id;     // usable_id(): a file name and a LaTeX label
+  // Placement in the report: with what answers the study's question, among the details, or as a file alone.
+  enum class Placement : std::uint8_t { first, detail, file };
+  std::string id;     // file_name_from(): a file name and a LaTeX label
   std::string title;  // what was measured
   std::vector<TableColumn> columns;
   std::vector<std::vector<TableValue>> rows;
   std::vector<std::string> notes;   // one sentence each
   std::uint64_t first_rows = 0;     // what a reader sees before asking for more; 0: all
   std::uint64_t first_columns = 0;  // the same of columns
-  Shown shown = Shown::detail;
+  Placement shown = Placement::detail;
   std::string printed = {};  // "table3": which numbers of the paper belong beside or are there
   std::string rows_in = {};  // the CSV file beside tables.json that has them, where `rows` is empty
   std::string about =
@@ -124,7 +124,7 @@ template <>
 inline constexpr std::array words<TableValue::Mark>{
     "none", "best", "not_distinguished", "good", "bad", "contradiction", "unsure", "untested"};
 template <>
-inline constexpr std::array words<Table::Shown>{"first", "detail", "file"};
+inline constexpr std::array words<Table::Placement>{"first", "detail", "file"};
 
 // RFC 4180 with full precision; NaN is an empty field.
 std::string csv_of(const Table& table);
@@ -154,7 +154,7 @@ inline double share_of(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// What a column shows of a row: a member of it or what a function says of it; of three, value and interval.
+// Content of a column: a member of the row or what a function gives for it; of three, value and interval.
 template <class Show>
 struct CellOf {
   Show show;
@@ -180,7 +180,7 @@ auto in_cm(auto... of) { return as_number(2, kCentimetresPerMetre, of...); }
 auto in_mm(auto... of) { return as_number(2, 1.0 / kMetresPerMillimetre, of...); }
 auto in_degrees(auto... of) { return as_number(2, kDegreesPerRad, of...); }
 auto in_percent(auto... of) { return as_number(1, 100.0, of...); }
-// Of a part of the row.
+// Shows a part of the row as `cell` shows it.
 template <class Part, class Show>
 auto of(Part part, CellOf<Show> cell) {
   return CellOf{[=](const auto& row) { return cell.show(std::invoke(part, row)); }, cell.is_text,

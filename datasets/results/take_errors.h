@@ -18,7 +18,7 @@ namespace trilat {
 enum class Subset : std::uint8_t { all, occluded };
 inline constexpr std::array kSubsetNames{"all", "occluded"};
 
-// What a row of errors sums, in SI units. Each is the mean of the row's sum over its n.
+// Measure that a row of errors sums, in SI units. Each is the mean of the row's sum over its n.
 enum class Measure : std::uint8_t {
   distance,  // of estimate and truth after alignment
   x,         // estimate - truth after alignment, along the world's axes

@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// What differs from machine to machine and run to run.
+// Times measured on this machine.
 struct SweepTimings {
   static constexpr const char* kFile = "timings.json";
   std::string study;

@@ -12,19 +12,19 @@
 
 namespace trilat {
 
-// Where a sensor stands: its pose in the world, and how sure that is (one standard deviation; 0 when exact).
+// Pose of a sensor in the world, and its uncertainty (one standard deviation; 0 when exact).
 struct SensorPose {
   std::string name;
   RigidTransform world_from_sensor;
   double position_sigma_m = 0.0;    // root mean square over the axes
   double rotation_sigma_rad = 0.0;  // root mean square over the axes
-  // Of (rotation vector in world axes, rad; position, m).
+  // Covariance of (rotation vector in world axes, rad; position, m).
   std::optional<Eigen::Matrix<double, 6, 6>> covariance = std::nullopt;
   // How much farther than true the sensor's depth is, and how sure that is.
   double depth_offset_m = 0.0;
   double depth_offset_sigma_m = 0.0;
-  // Of the measurements that made the pose: root mean square residual an axis, how many were used and how
-  // many were left out because they disagreed.
+  // Measurements that made the pose: root mean square residual an axis, number of those used, and of those
+  // left out because they disagreed.
   double residual_rms_m = 0.0;
   std::uint64_t used = 0;
   std::uint64_t left_out = 0;
@@ -49,7 +49,7 @@ struct RejectedSighting {
   }
 };
 
-// What a calibration was made from.
+// Input that a calibration was made from.
 struct CalibrationSource {
   std::string file;
   std::string sha256;
@@ -71,7 +71,8 @@ struct Calibration {
   std::string world = "optitrack";
   bool simulated = false;
   std::uint64_t positions = 0;  // of the wand, or joints at instants
-  // Of the refinement; 1: residuals are as large as their covariances say. Empty where it is not known.
+  // Reduced chi-squared of the refinement; 1: residuals are as large as their covariances say. Empty where it
+  // is not known.
   std::optional<double> reduced_chi2 = std::nullopt;
   std::vector<RejectedSighting> rejected = {};
   std::vector<CalibrationSource> sources = {};

@@ -41,7 +41,8 @@ class UpAxisEstimator {
   static constexpr std::size_t kLevels = 5;  // head, shoulders, hips, knees, feet
   // Points that are not finite, and arms, say nothing.
   void add(Joint joint, const Eigen::Vector3d& point_m);
-  // Nothing when neither axis is within 37 degrees, as of a person who lies, or too little is known.
+  // Axis along which the person stands; nothing when neither is within 37 degrees, as of a person who lies,
+  // or too little is known.
   std::optional<UpAxis> axis() const;
 
  private:
@@ -92,7 +93,7 @@ struct JointMapping {
 // known.
 JointMapping read_mapping(const std::filesystem::path& path);
 std::string mapping_text(const JointMapping& mapping);
-// The same of a take without a session, whose points may have any name.
+// Reads the mapping of a take without a session, whose points may have any name.
 NamedPoints read_points(const std::filesystem::path& path);
 void write_mapping(const std::filesystem::path& path, const JointMapping& mapping);
 

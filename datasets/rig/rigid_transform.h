@@ -24,7 +24,7 @@ struct RigidTransform {
     return {back, -(back * translation_m)};
   }
 
-  // As a list of numbers: the quaternion's w, x, y, z, and metres.
+  // In a document a list of numbers: the quaternion's w, x, y, z, and metres.
   static constexpr bool kIsList = true;
   static void fields(auto& self, auto&& f) {
     auto &q = self.rotation.coeffs(), &p = self.translation_m;

@@ -49,9 +49,9 @@ enum class TrackingState : std::uint8_t { not_tracked = 0, inferred = 1, tracked
 std::string_view name_of(Joint joint);  // "spine_base", …
 std::optional<Joint> joint_from_name(std::string_view name);
 std::vector<std::string> joint_names();  // of all
-// Nothing for the root, spine_base.
+// Parent of a joint; nothing for the root, spine_base.
 std::optional<Joint> parent_of(Joint joint);
-// The same joint on the other side; a joint of the middle is its own mirror.
+// Joint on the other side; a joint of the middle is its own mirror.
 Joint mirror_of(Joint joint);
 
 // Every joint after its parent.

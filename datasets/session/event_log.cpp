@@ -88,7 +88,7 @@ std::vector<std::byte> bytes_of(const auto& value) {
   return out.take();
 }
 
-// Nothing when the payload is not that of a T.
+// Value of a payload; nothing when it is not that of a T.
 template <class T>
 std::optional<T> value_of(std::span<const std::byte> payload) {
   ByteReader in(payload);
@@ -145,7 +145,7 @@ std::vector<std::byte> record_of(std::uint8_t type, std::size_t sensor, std::spa
 
 enum class Look { whole, more_needed, damaged };
 
-// What the bytes begin with; of a whole record its size.
+// Finds what the bytes begin with; of a whole record its size, too.
 Look look_at(std::span<const std::byte> bytes, std::size_t& size) {
   if (bytes.size() < kRecordHead) return Look::more_needed;
   ByteReader in(bytes);

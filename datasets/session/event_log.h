@@ -46,7 +46,7 @@ struct LogGap {
   std::uint64_t offset = 0, bytes = 0;
 };
 
-// What is known of a log once its bytes were read.
+// Summary of a log whose bytes were read.
 struct LogSummary {
   LogHead head;
   std::uint64_t records = 0;

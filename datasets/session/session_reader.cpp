@@ -63,7 +63,7 @@ void check_range(const std::string& place, std::uint64_t first, std::uint64_t co
                                 " to " + std::to_string(first + count) + " were asked for");
 }
 
-void read_bodies(const layout::Bodies<Opened>& columns, std::uint64_t first, std::span<Body> bodies) {
+void read_bodies(const layout::Bodies<ReadColumn>& columns, std::uint64_t first, std::span<Body> bodies) {
   const std::uint64_t n = bodies.size();
   const auto ids = columns.tracking_id.read(first, n);
   const auto positions = columns.position_m.read(first, n);
@@ -149,7 +149,8 @@ std::vector<FrameStamp> SessionReader::stamps(std::size_t sensor, FrameStream st
   const SensorTables& t = state_->sensors.at(sensor);
   if (stream == FrameStream::depth && !t.depth_stamps)
     throw InputError(t.frames.body_count.place(), "belongs to a sensor without depth");
-  const layout::Stamps<Opened>& columns = stream == FrameStream::depth ? *t.depth_stamps : t.frames.stamps;
+  const layout::Stamps<ReadColumn>& columns =
+      stream == FrameStream::depth ? *t.depth_stamps : t.frames.stamps;
   check_range(columns.sequence.place(), first, count,
               stream == FrameStream::depth ? t.counts.depth_frames : t.counts.body_frames);
   const auto sequence = columns.sequence.read(first, count);

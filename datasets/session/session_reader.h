@@ -25,7 +25,7 @@ struct SensorCounts {
       std::nullopt;  // none where chunks are not as we write them
   // Rows that stand in some columns of a table but not in all: what a killed writer was in the middle of.
   std::uint64_t torn_rows = 0;
-  // Of an unfinished session: frames from the first on whose number of bodies cannot be read.
+  // Frames of an unfinished session, from the first on whose number of bodies cannot be read.
   std::uint64_t unreadable_body_frames = 0;
 };
 
@@ -56,7 +56,7 @@ class SessionReader {
   // False when the recording was not closed properly (or still goes on).
   bool complete() const;
   const SensorCounts& counts(std::size_t sensor) const;
-  // What the sensor's depth frames take in the file; 0 without depth. Looks at every chunk's entry.
+  // Bytes of the sensor's depth frames in the file; 0 without depth. Looks at every chunk's entry.
   std::uint64_t depth_stored_bytes(std::size_t sensor) const;
   std::size_t sensor_index(const std::string& name) const;  // InputError listing those that exist
 

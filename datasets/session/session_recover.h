@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// What was saved of one sensor, and what was not.
+// Counts of one sensor's rows that were saved, and that were not.
 struct SensorRecovery {
   std::string name;
   SensorCounts saved;           // rows in the new file

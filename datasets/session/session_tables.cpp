@@ -20,7 +20,7 @@ void open_columns(Tables& tables, const H5Node& node) {
   });
 }
 
-// What readers hold in memory at once is bounded by these: 6 days of frames at 30 Hz, 12 of exchanges at 4
+// Bounds of what readers hold in memory at once: 6 days of frames at 30 Hz, 12 of exchanges at 4
 // Hz.
 constexpr std::uint64_t kMaxFrames = std::uint64_t{1} << 24;
 constexpr std::uint64_t kMaxExchanges = std::uint64_t{1} << 22;
@@ -51,14 +51,14 @@ struct CommonRows {
   }
 };
 
-// What the writer said to have flushed, in the order of layout::kFlushed; without its word, no limit. Of the
+// Numbers of rows that the writer flushed, in the order of layout::kFlushed; without them no limit. Of the
 // last two rows the larger numbers: the last may be half written, and every number in it was true.
 std::array<std::uint64_t, layout::kFlushedNumbers> flushed_rows(const H5Node& node, bool complete) {
   std::array<std::uint64_t, layout::kFlushedNumbers> limits;
   limits.fill(std::numeric_limits<std::uint64_t>::max());
   if (complete || !node.has(layout::kFlushed)) return limits;
   limits.fill(0);
-  Opened<std::int64_t> flushed;
+  ReadColumn<std::int64_t> flushed;
   flushed.open(node, layout::kFlushed, {layout::kFlushedNumbers});
   flushed.table.ignore_last_checksum();
   const std::uint64_t rows = flushed.table.rows(), count = std::min<std::uint64_t>(rows, 2);
@@ -123,11 +123,11 @@ CommonRows common_rows(const Tables& tables) {
 
 void accept_torn_ends(SensorTables& t) {
   const auto accept = [](const char*, auto& column, auto...) { column.table.ignore_last_checksum(); };
-  layout::BodyFrames<Opened>::columns(t.frames, accept);
-  layout::Bodies<Opened>::columns(t.bodies, accept);
-  if (t.depth_stamps) layout::Stamps<Opened>::columns(*t.depth_stamps, accept);
-  layout::Lists<Opened>::columns(t.lists, accept);
-  layout::Notices<Opened>::columns(t.notices, accept);
+  layout::BodyFrames<ReadColumn>::columns(t.frames, accept);
+  layout::Bodies<ReadColumn>::columns(t.bodies, accept);
+  if (t.depth_stamps) layout::Stamps<ReadColumn>::columns(*t.depth_stamps, accept);
+  layout::Lists<ReadColumn>::columns(t.lists, accept);
+  layout::Notices<ReadColumn>::columns(t.notices, accept);
 }
 
 void count_depth(SensorTables& t, std::uint64_t limit) {

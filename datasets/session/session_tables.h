@@ -18,7 +18,7 @@ inline constexpr std::uint64_t kBodyCheckpoint = 1024;  // frames between rememb
 
 // An opened column.
 template <class T>
-struct Opened {
+struct ReadColumn {
   H5Table table;
 
   void open(const H5Node& node, const char* name, const std::vector<std::uint64_t>& row_shape) {
@@ -33,12 +33,12 @@ struct Opened {
 };
 
 struct SensorTables {
-  session_layout::BodyFrames<Opened> frames;
-  session_layout::Bodies<Opened> bodies;
-  std::optional<session_layout::Stamps<Opened>> depth_stamps;
+  session_layout::BodyFrames<ReadColumn> frames;
+  session_layout::Bodies<ReadColumn> bodies;
+  std::optional<session_layout::Stamps<ReadColumn>> depth_stamps;
   std::optional<H5Table> depth_frames;
-  session_layout::Lists<Opened> lists;
-  session_layout::Notices<Opened> notices;
+  session_layout::Lists<ReadColumn> lists;
+  session_layout::Notices<ReadColumn> notices;
   std::vector<std::uint64_t> body_row_at;  // of every kBodyCheckpoint-th frame
   SensorCounts counts;
 };

@@ -77,7 +77,7 @@ struct DropCount {
 // A recorder stores no more notices of a sensor, and a reader reads no more.
 inline constexpr std::uint64_t kMaxSessionNotices = std::uint64_t{1} << 16;
 
-// What a person should know of a sensor: unplugged, silent, back again.
+// Message about a sensor for a person: unplugged, silent, back again.
 struct SensorNotice {
   std::int64_t host_ns = 0;
   std::string text;

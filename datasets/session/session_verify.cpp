@@ -29,7 +29,7 @@ struct Place {
   }
 };
 
-// What a finding can endanger.
+// Results that a finding can affect.
 constexpr const char* kAnswers = "coverage of every study: instants near it have one sensor less";
 constexpr const char* kTimes =
     "every accuracy study and calibration: sensors and truth are compared at wrong times";
@@ -37,7 +37,7 @@ constexpr const char* kPositions = "every accuracy study: wrong joint positions"
 constexpr const char* kPersons = "accuracy studies with several persons: who is who is followed by these ids";
 constexpr const char* kDepthUses = "wand calibration, and methods with \"occlusion\": \"depth\"";
 
-// What the stamps of one stream show; counted first, said once.
+// Counts of odd stamps of one stream; said once.
 struct StampCounts {
   std::uint64_t sequence_missing = 0, sequence_backward = 0, restarts = 0, ticks_backward = 0,
                 arrival_backward = 0, gaps = 0;
@@ -205,19 +205,20 @@ void verify_depth(const SessionReader& session, std::size_t sensor, const Place&
               kDepthUses);
 }
 
-// What the recorder itself has said.
+// Checks the recorder's own counts and notices.
 void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, const Place& place) {
   const auto drops = session.drop_counts(sensor);
   constexpr std::int64_t kMaxLost = std::int64_t{1} << 40;  // 1,000 years at 30 Hz
   const auto is_count = [](std::int64_t n) { return n >= 0 && n <= kMaxLost; };
   if (!drops.empty() && (!is_count(drops.back().at_source) || !is_count(drops.back().in_queue)))
-    place.say(Severity::error, "/drop_counts",
-              fmt::format("{} frames lost at the source and {} for want of room are no counts of frames",
-                          drops.back().at_source, drops.back().in_queue),
-              kAnswers);
+    place.say(
+        Severity::error, "/drop_counts",
+        fmt::format("{} frames lost at the source and {} because the queue was full are no counts of frames",
+                    drops.back().at_source, drops.back().in_queue),
+        kAnswers);
   else if (!drops.empty() && drops.back().at_source + drops.back().in_queue > 0)
     place.say(Severity::warning, "/drop_counts",
-              fmt::format("{} frames were lost at the source and {} for want of room while recording",
+              fmt::format("{} frames were lost at the source and {} because the queue was full",
                           drops.back().at_source, drops.back().in_queue),
               kAnswers);
   if (const std::uint64_t more = session.counts(sensor).notices_left_out; more > 0)

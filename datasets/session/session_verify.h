@@ -32,7 +32,7 @@ struct VerifyOptions {
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress = {});
 
-// What is wrong with the length of a sensor's ticks: its frames come less than once or more than 300 times a
+// Problem of a sensor's length of ticks: its frames come less than once or more than 300 times a
 // second. Empty for fewer than three frames.
 std::optional<std::string> odd_ticks_text(const SessionReader& session, std::size_t sensor);
 

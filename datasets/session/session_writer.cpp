@@ -26,7 +26,7 @@ constexpr std::uint64_t kRowsAtOnce = 16 * kRowsPerChunk;  // gathered before th
 
 // A column of one table that gathers rows and writes many at once.
 template <class T>
-struct Gathered {
+struct WriteColumn {
   H5Table table;
   std::vector<T> rows;
 
@@ -56,13 +56,13 @@ void write_columns(Tables& tables) {
   Tables::columns(tables, [](const char*, auto& column, auto...) { column.write(); });
 }
 
-void add_stamp(layout::Stamps<Gathered>& stamps, const FrameStamp& stamp) {
+void add_stamp(layout::Stamps<WriteColumn>& stamps, const FrameStamp& stamp) {
   stamps.sequence.rows.push_back(stamp.sequence);
   stamps.device_ticks.rows.push_back(stamp.device_ticks);
   stamps.arrival_ns.rows.push_back(stamp.arrival_ns);
 }
 
-void add_body(layout::Bodies<Gathered>& bodies, std::uint64_t frame, const Body& body) {
+void add_body(layout::Bodies<WriteColumn>& bodies, std::uint64_t frame, const Body& body) {
   bodies.frame.rows.push_back(frame);
   bodies.tracking_id.rows.push_back(body.tracking_id);
   for (const auto& point : body.position_m) bodies.position_m.add(point);
@@ -74,15 +74,15 @@ void add_body(layout::Bodies<Gathered>& bodies, std::uint64_t frame, const Body&
 
 struct DepthTables {
   H5Table frames;
-  layout::Stamps<Gathered> stamps;
+  layout::Stamps<WriteColumn> stamps;
 };
 
 struct WrittenTables {
-  layout::BodyFrames<Gathered> frames;
-  layout::Bodies<Gathered> bodies;
+  layout::BodyFrames<WriteColumn> frames;
+  layout::Bodies<WriteColumn> bodies;
   std::optional<DepthTables> depth;
-  layout::Lists<Gathered> lists;
-  layout::Notices<Gathered> notices;
+  layout::Lists<WriteColumn> lists;
+  layout::Notices<WriteColumn> notices;
   std::uint64_t body_frames = 0, stored_notices = 0;
 
   void write() {

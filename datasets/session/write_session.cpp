@@ -252,7 +252,7 @@ class LogCopy {
   std::uint64_t recording_ = 0;
 };
 
-// What a person should know of how this log was read; empty where all is whole.
+// Message about how this log was read; empty where all is whole.
 std::string state_of(const LogSummary& log) {
   std::uint64_t damaged = 0;
   for (const LogGap& gap : log.gaps) damaged += gap.bytes;

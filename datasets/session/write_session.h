@@ -16,7 +16,7 @@ struct LogInput {
   std::int64_t missing_frames = 0;  // known to have been delivered behind its end
 };
 
-// What of one sensor came from the logs into the session.
+// Counts of what came from the logs into the session, of one sensor.
 struct SensorWritten {
   std::string name;
   std::uint64_t body_frames = 0, depth_frames = 0, clock_exchanges = 0;

@@ -108,7 +108,7 @@ SkeletonPose pose_of(const Angles& a, const Vector3d& origin_m, double heading_r
   return pose;
 }
 
-// Where somebody stands on the floor, and which way they face.
+// Place of a person on the floor, and the direction they face.
 struct FootPose {
   Vector3d place_m;
   double heading_rad = 0.0;

@@ -9,7 +9,7 @@
 
 namespace trilat {
 
-// What a generated person does, after the paper's experiments: `walking` with arm swing on a small circle
+// Movement of a generated person, after the paper's experiments: `walking` with arm swing on a small circle
 // (Table III, four laps in 35 s), `arm_swing` standing (Table II, experiment 1: two swings in 6 s) and
 // `leg_crossing` (Table II, experiment 2: four crossing steps in 7 s).
 enum class Activity { walking, arm_swing, leg_crossing, standing, steps, walk_and_stop };

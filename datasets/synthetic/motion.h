@@ -15,7 +15,7 @@
 
 namespace trilat {
 
-// Where a person's joints truly are at one instant, in the world, metres. Joints that the source of the
+// True positions of a person's joints at one instant, in the world, metres. Joints that the source of the
 // motion does not know are not present. `heading_rad` turns the body's forward from world +z towards +x.
 struct SkeletonPose {
   std::array<Eigen::Vector3d, kJointCount> joint_in_world_m;

@@ -46,9 +46,9 @@ HWY_INLINE Doubles OpenUnit(Bits low, Bits high) {
 }
 
 // The numbers of a vector of trials.
-class Draws {
+class RandomStream {
  public:
-  HWY_INLINE Draws(std::uint64_t seed, Bits trial) : seed_(seed), trial_(trial) {}
+  HWY_INLINE RandomStream(std::uint64_t seed, Bits trial) : seed_(seed), trial_(trial) {}
 
   HWY_INLINE Doubles uniform(std::uint32_t index) const {
     Doubles first, second;
@@ -129,7 +129,7 @@ HWY_INLINE Doubles Logarithm(Doubles x) {
 }
 
 // RandomStream::normal, by the functions above.
-HWY_INLINE Doubles Normal(const Draws& draws, std::uint32_t index) {
+HWY_INLINE Doubles Normal(const RandomStream& draws, std::uint32_t index) {
   Doubles first, second, sine, cosine;
   draws.pair(index, first, second);
   SineCosine(second, sine, cosine);
@@ -137,7 +137,7 @@ HWY_INLINE Doubles Normal(const Draws& draws, std::uint32_t index) {
 }
 
 // A vector of this length, its direction uniform on the sphere.
-HWY_INLINE Vector3 InAnyDirection(const Draws& draws, std::uint32_t index, Doubles length) {
+HWY_INLINE Vector3 InAnyDirection(const RandomStream& draws, std::uint32_t index, Doubles length) {
   const Doubles height = Number(2.0) * draws.uniform(index) - Number(1.0);
   const Doubles radius = length * hn::Sqrt(Number(1.0) - height * height);
   Doubles sine, cosine;
@@ -149,14 +149,15 @@ HWY_INLINE Doubles Between(double low, double high, Doubles share) {
   return Number(low) + Number(high - low) * share;
 }
 
-HWY_INLINE Vector3 TrueJoint(const RangeTrialModel& model, const Draws& draws) {
+HWY_INLINE Vector3 TrueJoint(const RangeTrialModel& model, const RandomStream& draws) {
   if (model.joint == TrialJoint::centre) return {Number(0.0), Number(1.0), Number(0.0)};
   return {Between(-0.6, 0.6, draws.uniform(trial_index::kJoint)),
           Between(0.1, 1.9, draws.uniform(trial_index::kJoint + 1)),
           Between(-0.6, 0.6, draws.uniform(trial_index::kJoint + 2))};
 }
 
-HWY_INLINE Vector3 Displacement(const RangeTrialModel& model, const Draws& draws, std::uint32_t index) {
+HWY_INLINE Vector3 Displacement(const RangeTrialModel& model, const RandomStream& draws,
+                                std::uint32_t index) {
   return InAnyDirection(draws, index + 1, Between(model.low_m, model.high_m, draws.uniform(index)));
 }
 
@@ -169,7 +170,7 @@ HWY_INLINE Doubles SignedError(const RangeTrialModel& model, Doubles uniform) {
   return hn::IfThenElse(positive, magnitude, hn::Neg(magnitude));
 }
 
-HWY_INLINE Doubles RangeError(const RangeTrialModel& model, const Draws& draws, std::uint32_t index) {
+HWY_INLINE Doubles RangeError(const RangeTrialModel& model, const RandomStream& draws, std::uint32_t index) {
   if (model.error == TrialError::range_signed) return SignedError(model, draws.uniform(index));
   const double mean_m = 0.5 * (model.low_m + model.high_m);
   return Number(mean_m * 1.2533141373155003) * Normal(draws, index);  // sqrt(pi / 2)
@@ -190,7 +191,7 @@ HWY_INLINE void StoreVector3(const Vector3& v, double* rows, std::size_t stride)
 
 HWY_INLINE void MakeOneVector(const RangeTrialModel& model, Bits trial, const RangeTrialRows& rows,
                               std::size_t column) {
-  const Draws draws(model.seed, trial);
+  const RandomStream draws(model.seed, trial);
   const bool displaced = model.error == TrialError::displacement;
   const Vector3 truth = TrueJoint(model, draws);
   StoreVector3(truth, rows.truth_m + column, rows.stride);

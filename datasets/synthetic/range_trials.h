@@ -7,7 +7,7 @@
 
 namespace trilat {
 
-// Where the joint of a trial is, in the world.
+// Place of the joint of a trial, in the world.
 enum class TrialJoint : std::uint8_t {
   centre,  // (0, 1, 0) m, every time
   volume,  // uniform where a body moves: x, z within 0.6 m of the middle, y from 0.1 to 1.9 m
@@ -33,7 +33,7 @@ struct RangeTrialModel {
   double low_m = 0.0, high_m = 0.0;
 };
 
-// Where trials are written: trial i of the call in column i, rows `stride` apart.
+// Arrays that trials are written into: trial i of the call in column i, rows `stride` apart.
 struct RangeTrialRows {
   std::size_t stride = 0;
   double* truth_m = nullptr;  // 3 rows: x, y, z

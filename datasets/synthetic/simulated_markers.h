@@ -24,7 +24,7 @@ std::vector<Eigen::Vector3d> simulate_markers(const SkeletonPose& pose, Joint jo
 Eigen::Vector3d simulate_rigid_body(const Eigen::Vector3d& position_in_world_m, const MocapSpec& spec,
                                     const SimulatedItem& item, std::uint64_t frame);
 
-// What the stated start of the mocap is later than the true one, on the host clock.
+// Time by which the stated start of the mocap is later than the true one, on the host clock.
 Duration mocap_clock_error(const MocapSpec& spec, const SimulatedItem& item);
 
 }  // namespace trilat

@@ -12,7 +12,7 @@
 
 namespace trilat {
 
-// Where in the campaign a simulated recording stands: the keys of its random numbers.
+// Place of a simulated recording in the campaign: the keys of its random numbers.
 struct SimulatedItem {
   std::uint64_t seed = 1;
   std::uint64_t take = 0;

@@ -26,7 +26,7 @@ constexpr const char* kSensor = "Kinect for Windows SDK 2.0 documentation";
 std::string text(double value) { return fmt::format("{:g}", value); }
 std::string between(double half) { return fmt::format("+-{:g}", half); }
 
-void add_persons(const SimulationSpec& s, std::vector<DeclaredParameter>& list) {
+void add_persons(const SimulationSpec& s, std::vector<SimulationAssumption>& list) {
   list.push_back({"participants", std::to_string(s.participants), "", kPaper});
   if (s.recorded) {
     list.push_back({"motion", "recorded take", "", s.recorded->mocap.filename().string()});
@@ -37,7 +37,7 @@ void add_persons(const SimulationSpec& s, std::vector<DeclaredParameter>& list) 
   }
 }
 
-void add_rig(const RigSpec& rig, std::vector<DeclaredParameter>& list) {
+void add_rig(const RigSpec& rig, std::vector<SimulationAssumption>& list) {
   std::string heights;
   for (double height_m : rig.heights_m) heights += (heights.empty() ? "" : ", ") + text(height_m);
   list.push_back({"rig radius", text(rig.radius_m), "m", kPaper});
@@ -50,7 +50,7 @@ void add_rig(const RigSpec& rig, std::vector<DeclaredParameter>& list) {
        "sigma an axis", kAssumption});
 }
 
-void add_sensor(const SensorSpec& s, std::vector<DeclaredParameter>& list) {
+void add_sensor(const SensorSpec& s, std::vector<SimulationAssumption>& list) {
   list.push_back({"frame rate", text(s.rate_hz), "Hz", kSensor});
   list.push_back({"range", text(s.nearest_m) + " to " + text(s.farthest_m), "m", kSensor});
   list.push_back({"focal length between units", between(s.focal_spread_px), "px", kCalibrations});
@@ -65,7 +65,7 @@ void add_sensor(const SensorSpec& s, std::vector<DeclaredParameter>& list) {
   list.push_back({"exchange jitter", text(s.exchange_jitter_s), "s, mean of exponential", kAssumption});
 }
 
-void add_mocap(const MocapSpec& m, std::vector<DeclaredParameter>& list) {
+void add_mocap(const MocapSpec& m, std::vector<SimulationAssumption>& list) {
   list.push_back({"mocap rate", text(m.rate_hz), "Hz", "OptiTrack V100:R2 of the paper"});
   list.push_back({"marker noise", text(m.marker_noise_sigma_m), "m, sigma an axis", kAssumption});
   list.push_back({"marker gaps", text(m.gap_share), "of 0.2 s stretches", kAssumption});
@@ -74,12 +74,12 @@ void add_mocap(const MocapSpec& m, std::vector<DeclaredParameter>& list) {
 
 }  // namespace
 
-std::vector<DeclaredParameter> simulation_parameters(const SimulationSpec& spec) {
-  std::vector<DeclaredParameter> list;
+std::vector<SimulationAssumption> simulation_parameters(const SimulationSpec& spec) {
+  std::vector<SimulationAssumption> list;
   add_persons(spec, list);
   add_rig(spec.rig, list);
   add_sensor(spec.sensor, list);
-  for (DeclaredParameter& parameter : tracker_parameters(spec.body_tracker))
+  for (SimulationAssumption& parameter : tracker_parameters(spec.body_tracker))
     list.push_back(std::move(parameter));
   if (!spec.recorded) add_mocap(spec.mocap, list);
   return list;

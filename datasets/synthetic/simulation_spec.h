@@ -21,7 +21,7 @@
 
 namespace trilat {
 
-// Where the virtual sensors stand: on a circle about `centre_m` (its y is the height they look at), at one
+// Places of the virtual sensors: on a circle about `centre_m` (its y is the height they look at), at one
 // height each. Different heights make the vertical observable from ranges; see docs/reference/methods.md on
 // rigs of one height.
 struct RigSpec {
@@ -204,6 +204,6 @@ Calibration perturbed(Calibration calibration, double sigma_m, double sigma_rad,
 
 // Everything that a simulated campaign assumes of persons, rig, sensors, tracker and mocap, with what each
 // value rests on: what a reader of its results has to know.
-std::vector<DeclaredParameter> simulation_parameters(const SimulationSpec& spec);
+std::vector<SimulationAssumption> simulation_parameters(const SimulationSpec& spec);
 
 }  // namespace trilat

@@ -71,8 +71,8 @@ void append_wand_instant(DepthScene& scene, const WandInstant& instant, const Wa
     scene.spheres.push_back({instant.ball_in_world_m, shape.ball_radius_m});
 }
 
-// Where the ball is and where from the middle the person stands.
-struct WandMotion::Stand {
+// Place of the ball, and direction from the middle to the person.
+struct WandMotion::HeldPose {
   Vector3d ball_m;
   double bearing_rad;
 };
@@ -92,7 +92,7 @@ WandMotion::WandMotion(const WandMotionSpec& spec, std::uint64_t seed, const Vec
   }
 }
 
-WandMotion::Stand WandMotion::stand_at(double time_s) const {
+WandMotion::HeldPose WandMotion::held_pose_at(double time_s) const {
   const double last = static_cast<double>(holds_.size() - 1);
   const double cycle = std::clamp(std::floor(time_s / (spec_.hold_s + spec_.move_s)), 0.0, last);
   const auto i = static_cast<std::size_t>(cycle);
@@ -104,7 +104,7 @@ WandMotion::Stand WandMotion::stand_at(double time_s) const {
 }
 
 WandInstant WandMotion::at(double time_s) const {
-  const Stand stand = stand_at(time_s);
+  const HeldPose stand = held_pose_at(time_s);
   // A quarter of a turn on from the ball, seen from the middle: nobody stands in front of the nearest sensor.
   // Turned as the ball goes round, so that passing the middle does not turn the person about.
   const double beside_rad = stand.bearing_rad + 0.5 * std::numbers::pi;

@@ -49,8 +49,8 @@ class WandMotion {
   WandInstant at(double time_s) const;
 
  private:
-  struct Stand;
-  Stand stand_at(double time_s) const;
+  struct HeldPose;
+  HeldPose held_pose_at(double time_s) const;
 
   WandMotionSpec spec_;
   Eigen::Vector3d centre_m_;

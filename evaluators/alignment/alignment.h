@@ -22,7 +22,7 @@ enum class AlignmentKind : std::uint8_t {
   first,  // movement relative to the first pair
   mean,   // movement relative to the mean: the paper's "relative movement"
   rigid,  // rotation and translation of least squares, no scale (Horn 1987)
-  // Of the part of a take that joint_offset does not learn from: as none, to compare with.
+  // As none, over the part of a take that joint_offset does not learn from.
   held_out,
   // Each joint less what its mean error in the body's own frame was in the training part: what is left when a
   // tracker's joint and the markers' are different points of the body.
@@ -66,7 +66,7 @@ class AlignmentSums {
     truth_m_ += truth;
     if (products) products_m2_ += estimate * truth.transpose();
   }
-  // As if `later` had been added after what is here.
+  // Adds the samples of `later`.
   void merge(const AlignmentSums& later);
 
   std::int64_t count() const { return count_; }
@@ -86,7 +86,7 @@ class AlignmentSums {
   std::int64_t count_ = 0;
   Eigen::Vector3d first_estimate_m_ = Eigen::Vector3d::Constant(kNaN);
   Eigen::Vector3d first_truth_m_ = Eigen::Vector3d::Constant(kNaN);
-  // Of differences from the first pair.
+  // Sums of differences from the first pair.
   Eigen::Vector3d estimate_m_ = Eigen::Vector3d::Zero(), truth_m_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d products_m2_ = Eigen::Matrix3d::Zero();
 };

@@ -116,7 +116,7 @@ struct Correlation {
   double spread_m_s = 0.0;  // root mean square of the truth's speed about its mean
 };
 
-// Of the speeds at one offset.
+// Correlation of the speeds at one offset.
 Correlation correlation(const ComparedJoint& joint, double needed, double offset_s) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < joint.time_s.size(); ++i) {
@@ -199,7 +199,7 @@ std::vector<Peak> peaks_of(const SpeedCurve& curve, int steps, const ClockOffset
   return peaks;
 }
 
-// What a block of time says about the offset: the normal equation of one unknown.
+// Information of a block of time about the offset: the normal equation of one unknown.
 struct NormalEquation {
   double information = 0.0, gradient = 0.0;
   void add(const NormalEquation& other) {

@@ -44,7 +44,8 @@ struct ClockOffsetOptions {
   double least_speed_m_s = 0.05;  // root mean square about the mean speed
   double least_peak = 0.5;
   double largest_second = 0.9;  // second peak over first
-  // Of the median distance between the joints at the best offset; and of it over that at any other candidate.
+  // Largest median distance between the joints at the best offset, and its largest ratio to that at any other
+  // candidate.
   double largest_misfit_m = 0.15, largest_misfit_ratio = 0.8;
   double largest_sigma_s = 0.010;
 };

@@ -10,7 +10,7 @@
 
 namespace trilat {
 
-// Where a point was over time: times rise, positions are NaN where it was not seen.
+// Path of a point: times rise, positions are NaN where it was not seen.
 struct PointPath {
   std::vector<double> time_s;
   std::vector<Eigen::Vector3d> position_m;

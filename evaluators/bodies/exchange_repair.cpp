@@ -20,15 +20,15 @@
 namespace trilat {
 namespace {
 
-// What one instant says about left and right, as logarithms of odds, one entry a sensor; 0 where it says
+// Evidence of one instant about left and right, as logarithms of odds, one entry a sensor; 0 where it says
 // nothing.
 struct ExchangeEvidence {
   std::array<bool, kMaxSensors> seen{};
   // For the labels as they are and against an exchange: toes, knees and elbows.
   std::array<double, kMaxSensors> log_odds_unswapped{};
-  // That the sensor is in the same state (exchanged or not) as when it last saw the same joints.
+  // Log odds that the sensor is in the same state (exchanged or not) as when it last saw the same joints.
   std::array<double, kMaxSensors> log_odds_unchanged{};
-  // That two sensors are in the same state; symmetric.
+  // Log odds that two sensors are in the same state; symmetric.
   std::array<std::array<double, kMaxSensors>, kMaxSensors> log_odds_same_state{};
 };
 
@@ -81,7 +81,7 @@ struct Point {
   double weight = 0.0;
 };
 
-// Of those joints that are there, in the sensor's frame; weight 1 when all are tracked.
+// Mean of the joints that are there, in the sensor's frame; weight 1 when all are tracked.
 Point mean_of(const ObservedBody& body, const std::array<Joint, 4>& joints) {
   Point mean;
   for (const Joint joint : joints) {
@@ -231,7 +231,7 @@ constexpr std::size_t kMaxStates = std::size_t{1} << kMaxSensors;
 using RobustLoss = std::array<double, kMaxStates>;
 using Origins = std::array<std::uint8_t, kMaxStates>;
 
-// What the evidence of one instant says against each state, up to a constant.
+// Cost of each state by the evidence of one instant, up to a constant.
 void costs_of(const ExchangeEvidence& evidence, std::size_t sensors, double prior_log_odds,
               RobustLoss& costs) {
   costs[0] = 0.0;

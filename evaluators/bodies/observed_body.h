@@ -26,7 +26,7 @@ struct ObservedBody {
   }
 };
 
-// What the sensors of a rig see of one person during a take: at every instant one body a sensor, without any
+// Views of one person by the sensors of a rig during a take: at every instant one body a sensor, without any
 // joint where the sensor does not see the person.
 class BodyTracks {
  public:

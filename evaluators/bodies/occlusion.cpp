@@ -66,7 +66,8 @@ bool boxes_meet(const Segment& a, const Segment& b) {
   return true;
 }
 
-// Where the line of `b` divides `a`, from 0 to 1; NaN unless the ends of `a` are on different sides of it.
+// Share at which the line of `b` divides `a`, from 0 to 1; NaN unless the ends of `a` are on different sides
+// of it.
 double crossing_on(const Segment& a, const Segment& b) {
   const Vector2d along = b.end[1] - b.end[0];
   const double first = vector_product(a.end[0] - b.end[0], along);

@@ -21,7 +21,8 @@ struct PointObservation {
   DepthSensitivity depth = {};  // of what the sensor's depth is off by; looked at where that is estimated
 };
 
-// Where do sensors stand that saw the same points? At most one observation a sensor and point.
+// Observations of the same points by sensors whose poses are wanted. At most one observation a sensor and
+// point.
 struct RigProblem {
   std::size_t sensors = 0;
   std::size_t points = 0;

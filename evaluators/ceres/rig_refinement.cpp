@@ -28,7 +28,7 @@
 namespace trilat {
 namespace {
 
-// What a unit's depth may be off by: a constant, and waves of some lengths, each as cosine and sine.
+// Depth error of a unit: a constant, and waves of some lengths, each as cosine and sine.
 inline constexpr int kDepthWaves = 12;
 inline constexpr int kDepthTerms = 1 + 2 * kDepthWaves;
 using DepthTerms = Eigen::Matrix<double, kDepthTerms, 1>;

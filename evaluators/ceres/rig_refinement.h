@@ -14,7 +14,7 @@
 
 namespace trilat {
 
-// What a unit's depth may be off by, estimated beside its pose: measured = true + offset + a wiggling. The
+// Depth error of a unit, estimated beside its pose: measured = true + offset + a wiggling. The
 // wiggling is a sum of waves whose lengths are spread evenly over the span. Priors keep both at zero where
 // the data say nothing; together the waves' have the root mean square of the wiggling.
 struct DepthCorrectionOptions {
@@ -30,7 +30,7 @@ struct ControlPoint {
   double sigma_m = 0.001;  // an axis
 };
 
-// What says where the world is. Distances between sensors do not: one of these has to.
+// Gauge of the world. Distances between sensors do not: one of these has to.
 struct GaugePoints {  // origin at the first, x towards the second, the third above the x axis (y > 0, z = 0)
   std::array<std::size_t, 3> points{};
   // From the first to the second, when somebody measured it. Depth errors that all sensors share look like
@@ -65,7 +65,7 @@ std::string name_of(RigStatus status);
 
 struct RefinedSensor {
   RigidTransform world_from_sensor;
-  // Of (rotation vector in world axes, rad; position, m); NaN when it was not asked for.
+  // Covariance of (rotation vector in world axes, rad; position, m); NaN when it was not asked for.
   Eigen::Matrix<double, 6, 6> covariance;
   double depth_offset_m = 0.0;
   double depth_offset_sigma_m = 0.0;

@@ -8,9 +8,9 @@
 
 namespace trilat {
 
-// What the sensors' own joint positions give without trilateration. They end with closed_form, no_observation
-// or, for a point that is not finite, non_finite_input. Cost, gdop and covariance stay NaN: no ranges are
-// fitted.
+// Estimates from the sensors' own joint positions, without trilateration. They end with closed_form,
+// no_observation or, for a point that is not finite, non_finite_input. Cost, gdop and covariance stay NaN: no
+// ranges are fitted.
 
 struct SingleSensorOptions {
   int sensor = 0;  // the rig's number

@@ -18,7 +18,7 @@ namespace trilat {
 struct BoneSmootherOptions {
   double sigma_m = 0.03;         // of one tracked position, per axis
   double inferred_factor = 3.0;  // on it when the joint is inferred
-  // Of the acceleration (KalmanOptions).
+  // Spectral density of the acceleration (KalmanOptions).
   double acceleration_density_m2_s3 = 5.0;
   double speed_sigma_m_s = 2.0;  // of a joint at the start of its path, per axis
   // Cauchy's loss: a tracked position farther off than about this counts less and less, an inferred one
@@ -55,10 +55,10 @@ struct SmoothedBody {
   std::vector<Eigen::Vector3d> position_m;
   std::vector<SolveStatus> status;
   int passes = 0;
-  // Of every joint whose parent is in the path: the median over the take of the distance between both as
-  // solve_kalman() smooths them, at instants when some sensor tracks each. A bone that has no such instant is
-  // free. The length is of the take and no unknown: a person has one skeleton, and a time in which a bone
-  // hardly turns cannot tell its length from the joints' errors.
+  // Length of the bone from each joint to its parent, where that is in the path: the median over the take of
+  // the distance between both as solve_kalman() smooths them, at instants when some sensor tracks each. A
+  // bone that has no such instant is free. The length is of the take and no unknown: a person has one
+  // skeleton, and a time in which a bone hardly turns cannot tell its length from the joints' errors.
   std::vector<MedianBone> bones;
 };
 

@@ -28,10 +28,10 @@ PointEstimate estimate_of(const MotionState& state) {
   return estimate;
 }
 
-class Path {
+class FilteredPath {
  public:
-  Path(std::span<const std::int64_t> time_ns, const KalmanOptions& options,
-       std::span<PointEstimate> estimates)
+  FilteredPath(std::span<const std::int64_t> time_ns, const KalmanOptions& options,
+               std::span<PointEstimate> estimates)
       : time_ns_(time_ns),
         options_(options),
         estimates_(estimates),
@@ -107,14 +107,14 @@ class Path {
 std::vector<PointEstimate> solve_kalman(const JointPath& path, const KalmanOptions& options) {
   TRILAT_CHECK(path.sensors <= kMaxSensors, "a rig has at most kMaxSensors sensors");
   std::vector<PointEstimate> estimates(path.time_ns.size());
-  Path course(path.time_ns, options, estimates);
+  FilteredPath filtered(path.time_ns, options, estimates);
   std::array<JointObservation, kMaxSensors> instant;
   const std::span<JointObservation> seen(instant.data(), path.sensors);
   for (std::size_t i = 0; i < path.time_ns.size(); ++i) {
     path.observe(i, seen);
-    course.add(i, seen);
+    filtered.add(i, seen);
   }
-  course.end();
+  filtered.end();
   return estimates;
 }
 

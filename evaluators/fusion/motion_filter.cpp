@@ -68,7 +68,7 @@ void MotionFilter::predict(double step_s) {
 }
 
 void MotionFilter::update(const PositionInformation& measured) {
-  Step& step = steps_.back();
+  FilterStep& step = steps_.back();
   const Matrix6& p = step.predicted.covariance;
   const Eigen::Matrix3d inverse =
       (Eigen::Matrix3d::Identity() + measured.matrix * p.topLeftCorner<3, 3>()).inverse();
@@ -86,7 +86,7 @@ void MotionFilter::smooth(std::size_t instants, bool with_covariances,
   Vector6 adjoint = Vector6::Zero();
   Matrix6 information = Matrix6::Zero();
   for (std::size_t i = instants; i-- > 0;) {
-    const Step& step = steps_[i];
+    const FilterStep& step = steps_[i];
     const Matrix6& p = step.predicted.covariance;
     adjoint.head<3>() += step.influence - step.gain * (p.topRows<3>() * adjoint);
     MotionState state{step.predicted.mean + p * adjoint, Matrix6::Zero()};

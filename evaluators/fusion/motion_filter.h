@@ -22,7 +22,7 @@ struct MotionState {
                         double speed_variance_m2_s2);
 };
 
-// What is measured of a position x at one instant: x^T matrix x - 2 x^T vector, the sum of squared residuals
+// Measurements of a position x at one instant: x^T matrix x - 2 x^T vector, the sum of squared residuals
 // in sigmas but for a constant.
 struct PositionInformation {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
@@ -32,7 +32,7 @@ struct PositionInformation {
     matrix.diagonal().array() += weight_1_m2;
     vector += weight_1_m2 * point_m;
   }
-  // That the position lies `along_m` from the origin in a direction of length 1.
+  // Adds that the position lies `along_m` from the origin in a direction of length 1.
   void add_distance(const Eigen::Vector3d& direction, double along_m, double weight_1_m2) {
     matrix += weight_1_m2 * direction * direction.transpose();
     vector += weight_1_m2 * along_m * direction;
@@ -63,7 +63,7 @@ class MotionFilter {
               const std::function<void(std::size_t instant, const MotionState& state)>& visit) const;
 
  private:
-  struct Step {
+  struct FilterStep {
     double step_s = 0.0;  // from the instant before
     MotionState predicted;
     Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();       // A (I + P A)^-1 of A measured, P predicted
@@ -73,7 +73,7 @@ class MotionFilter {
   double density_;
   bool keeps_all_;
   MotionState now_;
-  std::vector<Step> steps_;
+  std::vector<FilterStep> steps_;
 };
 
 }  // namespace trilat

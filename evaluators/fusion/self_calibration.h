@@ -50,7 +50,7 @@ struct CorrectionMagnitudes {
 };
 CorrectionMagnitudes magnitudes_of(const SelfCalibration& calibration, std::size_t sensor);
 
-// What a rig shows of its own calibration by the joints of one person, without truth: for each sensor a turn
+// Corrections of a rig's calibration by the joints of one person, without truth: for each sensor a turn
 // about its position, a shift and an offset of its ranges, with normal priors. Rounds go on, eight at least,
 // until no parameter moves by a tenth of its standard deviation; where one still does after 40 there is a
 // `problem`. Each round estimates the variances along and across the rays (restricted maximum likelihood, as

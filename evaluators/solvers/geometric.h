@@ -13,7 +13,7 @@ struct GeometricOptions {
   std::array<int, 3> sensors{0, 1, 2};
 };
 
-// Where three spheres meet. Of the two mirror solutions the guess chooses as in choose_mirror();
+// Common points of three spheres. Of the two mirror solutions the guess chooses as in choose_mirror();
 // without a decision the status is mirror_ambiguous. With h the height above the sensors' plane:
 //   h^2 < -1e-10 r^2   the spheres do not meet: the nearest point of the plane, clamped
 //   h^2 <= 1e-10 r^2   the joint is in the plane and h is rounding: rank_deficient

@@ -19,7 +19,7 @@ struct Linearised {
   double rounding_scale = 0.0;  // sum of |f| d: F's rounding error is some 1e-16 of it
 };
 
-// Where one descent from one start has ended.
+// End of one descent from one start.
 struct Descent {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
   SolveStatus status = SolveStatus::not_solved;

@@ -27,8 +27,8 @@ struct NonlinearOptions : DescentOptions {
   Start start = Start::squared_ranges;
   Eigen::Vector3d start_point_m = Eigen::Vector3d::Constant(kNaN);
   LinearOptions linear;  // of the linear start
-  // Of a range: on which side of the sensors' plane the joint is, ranges decide only where ranges_decide(),
-  // else the guess. 0: the lower cost wins, however little lower.
+  // Standard deviation of a range, m: ranges decide the side of the sensors' plane only where
+  // ranges_decide(), else the guess. 0: the lower cost wins, however little lower.
   double range_sigma_m = kUsualRangeSigma_m;
 };
 
@@ -43,12 +43,12 @@ struct NonlinearOptions : DescentOptions {
 // InternalError when contradiction_in(options).
 [[nodiscard]] PointEstimate solve_nonlinear(const RangeProblem& problem, const NonlinearOptions& options);
 
-// The same for many problems, with the same bits; undamped descents go by vectors. `estimates` has one slot a
-// problem.
+// Solves many problems, with the same bits as one by one; undamped descents go by vectors. `estimates` has
+// one slot a problem.
 void solve_nonlinear(std::span<const RangeProblem> problems, const NonlinearOptions& options,
                      std::span<PointEstimate> estimates);
 
-// Where the options want to start. The problem must be one that validate() does not refuse, and `plane` its
+// Start that the options name. The problem must be one that validate() does not refuse, and `plane` its
 // own, not collinear.
 Eigen::Vector3d requested_start_m(const RangeProblem& problem, const SensorPlane& plane, Start start,
                                   const Eigen::Vector3d& start_point_m, const LinearOptions& linear);

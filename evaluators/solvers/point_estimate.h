@@ -41,7 +41,7 @@ constexpr bool is_usable(SolveStatus status) {
          status == SolveStatus::clamped || status == SolveStatus::given;
 }
 
-// Where a method puts a joint in the world. Ask is_usable(status) before using the position: it is also
+// Estimate of a joint's position in the world. Ask is_usable(status) before using the position: it is also
 // filled for iteration_limit (the last iterate), mirror_ambiguous (one of the two) and for rank_deficient
 // when a descent ended there, so that a failure can be looked at, and NaN for every other failure.
 struct PointEstimate {
@@ -49,8 +49,8 @@ struct PointEstimate {
   SolveStatus status = SolveStatus::not_solved;
   int iterations = 0;     // steps tried, of all starts together
   double cost_m2 = kNaN;  // sum of (|x - sensor| - range)^2
-  // Of the geometry at the position, whatever the method: sqrt(trace((U^T U)^-1)), U's rows the unit vectors
-  // from the sensors; infinite when they do not span space, NaN without ranges.
+  // Geometric dilution of precision at the position, whatever the method: sqrt(trace((U^T U)^-1)), U's rows
+  // the unit vectors from the sensors; infinite when they do not span space, NaN without ranges.
   double gdop = kNaN;
   // (U^T U)^-1: times the variance of a range it is the Cramer-Rao bound of unbiased normal ranges. The
   // methods that know variances give the bound itself, in m^2. NaN when gdop is not finite.

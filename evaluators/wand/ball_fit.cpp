@@ -24,7 +24,7 @@ constexpr double kGateSigmas = 4.0;
 constexpr int kBeside_px = 2;            // none is used so near one that is hidden
 constexpr double kMaxNoiseFactor = 2.5;  // an image may be noisier than the model, within reason
 
-// Where a ray meets the ball: t d = point, |t d - c| = r. With d_z = 1, t is the depth along z.
+// Point at which a ray meets the ball: t d = point, |t d - c| = r. With d_z = 1, t is the depth along z.
 struct Intersection {
   double depth_m;
   double sine;               // of the angle between ray and surface normal

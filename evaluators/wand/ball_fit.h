@@ -49,11 +49,11 @@ struct BallFit {
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Constant(NAN);
   double rms_m = NAN;           // of the used residuals
   double expected_rms_m = NAN;  // by the noise model, of the same pixels
-  // What one more Gauss-Newton step with a free radius would add to the known radius, and its uncertainty.
+  // Change of the known radius by one more Gauss-Newton step with a free radius, and its uncertainty.
   double radius_excess_m = NAN;
   double radius_sigma_m = NAN;
   int used = 0;
-  // Of the pixels at least two pixels inside the outline (and within max_angle_rad): all, those that agree
+  // Pixels at least two pixels inside the outline (and within max_angle_rad): all, those that agree
   // with the ball, those that see through it, and those where nothing was seen. The others see something
   // before it.
   int inner = 0;
@@ -78,7 +78,7 @@ struct DepthSensitivity {
   Eigen::Vector3d by_slope_m = Eigen::Vector3d::Zero();
 };
 
-// Of a ball that is seen whole.
+// Influence of depth on the fit of a ball that is seen whole.
 [[nodiscard]] DepthSensitivity depth_influence(const Eigen::Vector3d& centre_in_sensor_m,
                                                const BallFitOptions& options);
 

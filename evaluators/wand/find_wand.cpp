@@ -47,7 +47,7 @@ struct BallCandidateOptions {
   double most_inside = 1.15;
 };
 
-// What lies on a circle somewhat larger than the ball's outline, in shares of the directions inside the
+// Surroundings on a circle somewhat larger than the ball's outline, in shares of the directions inside the
 // image.
 struct BallSurroundings {
   double beyond = 0.0;      // behind the ball's middle, or nothing was seen

@@ -25,7 +25,8 @@ struct FindWandOptions {
                                      const FindWandOptions& options,
                                      const std::optional<Eigen::Vector3d>& near_in_sensor_m = std::nullopt);
 
-// Of one frame after the other: first near where the ball was in the frame before, then in the whole image.
+// Finds the ball in one frame after the other: first near where the ball was in the frame before, then in the
+// whole image.
 [[nodiscard]] WandSighting follow_wand(const DepthImageView& image, const DepthRays& rays,
                                        const FindWandOptions& options,
                                        std::optional<Eigen::Vector3d>& before_in_sensor_m);

@@ -8,7 +8,7 @@
 
 namespace trilat {
 
-// What is printed, or what it must have meant.
+// Variant of an equation: as printed, or what it must have meant.
 enum class Variant : std::uint8_t { printed, corrected };
 
 // Eq. 2 and 3, E1: which pixels go on to the next label map, and when it ends. As printed a pixel goes on

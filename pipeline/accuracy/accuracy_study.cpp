@@ -40,7 +40,7 @@ void replace_all(std::string& text, const std::string& old, const std::string& w
     text.replace(at, old.size(), with);
 }
 
-// From the campaign's folder; the name alone where the file lies elsewhere.
+// Path relative to the campaign's folder, or the name alone where the file lies elsewhere.
 std::string place_of(const fs::path& file, const fs::path& folder) {
   const fs::path inside = file.lexically_normal().lexically_relative(folder.lexically_normal());
   return inside.empty() || *inside.begin() == ".." ? file.filename().string() : inside.string();
@@ -55,16 +55,16 @@ TakeNote within_campaign(TakeNote note, const Take& take, const Campaign& campai
 }
 
 // A take of the plan, or why it cannot be evaluated: then it fails, and the others go on.
-Computed evaluate(const Plan& plan, std::size_t t, const std::vector<TakeInput>& inputs,
-                  const WatchedFiles& files, const ErrorSettings& errors, bool cross_check,
-                  const fs::path& into, const Watch& watch) {
+ComputedItem evaluate(const Plan& plan, std::size_t t, const std::vector<TakeInput>& inputs,
+                      const WatchedFiles& files, const ErrorSettings& errors, bool cross_check,
+                      const fs::path& into, const RunControl& control) {
   const PlannedTake& planned = plan.takes[t];
   TakeResult result;
   try {
     if (!planned.ok) throw InputError(planned.place, planned.problem);
     for (const TakeInput& input : inputs)
       if (input.sha256.empty()) throw InputError(input.file, "cannot be read to its end");
-    result = evaluate_take(plan, t, errors, cross_check, into, watch);
+    result = evaluate_take(plan, t, errors, cross_check, into, control);
     files.check();
   } catch (const OutputError&) {
     throw;
@@ -79,7 +79,7 @@ Computed evaluate(const Plan& plan, std::size_t t, const std::vector<TakeInput>&
 }
 
 // The part of a summary that needs no errors.
-ResultsSummary summary_head(const Plan& plan, const RunOutcome& outcome) {
+ResultsSummary summary_head(const Plan& plan, const StudyTotals& outcome) {
   ResultsSummary summary;
   summary.study = plan.study.name;
   summary.paper = name_of(plan.study.paper);
@@ -143,7 +143,7 @@ void leave_out_repeated(const Plan& plan, std::vector<TakeResult>& results) {
 // a study's errors say nothing.
 std::vector<TakeTable> read_tables(const Plan& plan, const ErrorSettings& errors,
                                    std::span<const TakeResult> results,
-                                   std::span<const Outcome* const> outcomes, const Watch& watch) {
+                                   std::span<const ItemResult* const> outcomes, const RunControl& control) {
   constexpr double kTakesShare = 0.8;  // of the progress
   const auto nonlinear =
       std::ranges::find(plan.methods, std::string("nonlinear"), [](const Method& m) { return m.spec.name; });
@@ -151,7 +151,7 @@ std::vector<TakeTable> read_tables(const Plan& plan, const ErrorSettings& errors
   std::vector<TakeTable> tables(results.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(tables.size(), 1, [&](std::size_t t) {
-    watch.check();
+    control.check();
     const Take& take = plan.takes[t].take;
     const fs::path& folder = outcomes[t]->folder;
     if (results[t].evaluated) {
@@ -163,7 +163,7 @@ std::vector<TakeTable> read_tables(const Plan& plan, const ErrorSettings& errors
             movement_of(StoredTake::open(tables[t].samples), tables[t].errors,
                         static_cast<std::size_t>(nonlinear - plan.methods.begin()), plan.study.rate_hz);
     }
-    watch.tell(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
+    control.report(kTakesShare * static_cast<double>(++done) / static_cast<double>(tables.size()));
   });
   std::erase_if(tables, [](const TakeTable& table) { return table.id.empty(); });
   return tables;
@@ -173,14 +173,14 @@ std::vector<TakeTable> read_tables(const Plan& plan, const ErrorSettings& errors
 void show_stages(const StudySpec& study, const ResultsSummary& summary, StoredTables& shown,
                  StoredFigures& figures) {
   for (Table& table : shown.tables)
-    if (table.shown == Table::Shown::first) table.shown = Table::Shown::detail;
+    if (table.shown == Table::Placement::first) table.shown = Table::Placement::detail;
   std::vector<std::string> names;
   for (const Stage& stage : study.stages) names.push_back(stage.name);
   shown.findings = stages_findings(summary, names);
   shown.warnings = stages_warnings(summary, names);
   figures.figures = stages_figures(summary, names);
   std::vector<Table> tables = stages_tables(summary, names);
-  for (Table& table : tables) table.shown = Table::Shown::first;
+  for (Table& table : tables) table.shown = Table::Placement::first;
   shown.tables.insert(shown.tables.begin(), tables.begin(), tables.end());
 }
 
@@ -193,45 +193,45 @@ void write_shown(const Plan& plan, const ResultsSummary& summary, const Tracking
     auto place = shown.tables.begin();
     for (const std::string& condition : summary.conditions) {
       Table table = files_table(summary, condition);
-      table.shown = Table::Shown::first;
+      table.shown = Table::Placement::first;
       place = std::next(shown.tables.insert(place, std::move(table)));
     }
   }
   for (Table& table : angle_tables(rows)) {
-    if (plan.rig.empty()) table.shown = Table::Shown::first;
+    if (plan.rig.empty()) table.shown = Table::Placement::first;
     shown.tables.push_back(std::move(table));
   }
   for (Table& table : agreement_tables(summary)) {
-    table.shown = Table::Shown::file;
+    table.shown = Table::Placement::file;
     shown.tables.push_back(std::move(table));
   }
   StoredFigures figures{accuracy_figures(rows)};
   for (Figure& figure : angle_figures(rows)) figures.figures.push_back(std::move(figure));
   if (!plan.study.stages.empty()) show_stages(plan.study, summary, shown, figures);
   store_tables(folder, std::move(shown));
-  write_beside(folder, figures);
+  write_json_file(folder, figures);
 }
 
 // The results of a study whose takes are done.
 void write_study(const Plan& plan, const ErrorSettings& errors, const std::vector<TakeNote>& notes,
-                 bool cross_check, const ResultsRun& run, const fs::path& folder, const Watch& watch) {
+                 bool cross_check, const ResultsRun& run, const fs::path& folder, const RunControl& control) {
   std::vector<TakeResult> results;
-  std::vector<const Outcome*> outcomes;
+  std::vector<const ItemResult*> outcomes;
   for (std::size_t t = 0; t < plan.takes.size(); ++t) {
     outcomes.push_back(&run.outcome(t));
     results.push_back(read_as<TakeResult>(outcomes[t]->json, outcomes[t]->place()));
   }
   leave_out_repeated(plan, results);
-  const RunOutcome outcome = outcome_of(plan, results, cross_check);
-  write_beside(folder, outcome.tracking);
+  const StudyTotals outcome = outcome_of(plan, results, cross_check);
+  write_json_file(folder, outcome.tracking);
   ResultsSummary summary = summary_head(plan, outcome);
   summary.notes.insert(summary.notes.begin(), notes.begin(), notes.end());
-  std::vector<TakeTable> tables = read_tables(plan, errors, results, outcomes, watch);
+  std::vector<TakeTable> tables = read_tables(plan, errors, results, outcomes, control);
   const StudyErrors study(tables, plan.names, summary);
   set_reference(study, summary);
   const std::vector<MethodPair> pairs = pairs_of(study, summary, compared_with(summary.paper));
   parallel_for_index(tables.size(), 1, [&](std::size_t t) {
-    watch.check();
+    control.check();
     tables[t].pairs = pair_errors(StoredTake::open(tables[t].samples), errors, pairs);
   });
   add_numbers(study, summary);
@@ -240,7 +240,7 @@ void write_study(const Plan& plan, const ErrorSettings& errors, const std::vecto
     if (!summary.numbers.find(number)) summary.numbers.add(number);
   write_shown(plan, summary, outcome.tracking, folder);
   write_results(folder, summary);
-  watch.tell(1.0);
+  control.report(1.0);
 }
 
 Json inputs_json(const Plan& plan, std::span<const std::vector<TakeInput>> inputs) {
@@ -257,7 +257,7 @@ Json inputs_json(const Plan& plan, std::span<const std::vector<TakeInput>> input
 
 // The inputs and settings of the results. Files that cannot be read are listed without a hash.
 Json manifest_of_plan(const Plan& plan, std::span<const std::vector<TakeInput>> inputs,
-                      const std::vector<DeclaredParameter>& simulator) {
+                      const std::vector<SimulationAssumption>& simulator) {
   Json methods = Json::array(), takes = Json::array();
   for (const Method& method : plan.methods) methods.push_back(method.spec.name);
   std::uint64_t instants = 0;
@@ -308,8 +308,8 @@ StudySpec known_methods(StudySpec spec, const Campaign& campaign, std::vector<Ta
 
 }  // namespace
 
-ItemTally run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const StudyOptions& options) {
-  const Watch planning = watch_of(options, "planning");
+ItemCounts run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const StudyOptions& options) {
+  const RunControl planning = control_of(options, "planning");
   HashCache hashes;
   hashes.load(folder);
   std::vector<TakeNote> notes;
@@ -324,15 +324,15 @@ ItemTally run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const
   if (asked.cross_check) check_cross_check(plan);
   const ErrorSettings errors{plan.study.alignments, plan.study.training_share, plan.study.occluded_apart,
                              plan.study.rate_hz};
-  const std::vector<DeclaredParameter> simulator = read_declared_parameters(asked.campaign.folder);
+  const std::vector<SimulationAssumption> simulator = read_declared_parameters(asked.campaign.folder);
 
   std::vector<ResultsRun::Item> items;
   for (const PlannedTake& planned : plan.takes)
     items.push_back({"takes/" + planned.take.id, cost_of(planned)});
   ResultsRun run(folder, items, options);
   std::vector<std::vector<TakeInput>> inputs(plan.takes.size());
-  run.find_keys([&](std::size_t t, const Watch& watch) {
-    inputs[t] = inputs_of(plan.takes[t].take, hashes, watch.stop_requested);
+  run.find_keys([&](std::size_t t, const RunControl& control) {
+    inputs[t] = inputs_of(plan.takes[t].take, hashes, control.stop_requested);
     const bool read =
         std::ranges::none_of(inputs[t], [](const TakeInput& input) { return input.sha256.empty(); });
     if (!plan.takes[t].ok || !read || files[t].changed()) return std::string();
@@ -342,13 +342,13 @@ ItemTally run_accuracy(const AccuracyStudy& asked, const fs::path& folder, const
   if (run.is_finished(manifest)) return run.tally();
   run.begin(manifest);
   if (run.is_whole()) hashes.save(folder);
-  run.compute([&](std::size_t t, const fs::path& into, const Watch& watch) {
-    return evaluate(plan, t, inputs[t], files[t], errors, asked.cross_check, into, watch);
+  run.compute([&](std::size_t t, const fs::path& into, const RunControl& control) {
+    return evaluate(plan, t, inputs[t], files[t], errors, asked.cross_check, into, control);
   });
   if (run.is_whole())
     run.publish_results(manifest, [&](const fs::path& into) {
       if (!simulator.empty()) write_declared_parameters(into, simulator);
-      write_study(plan, errors, notes, asked.cross_check, run, into, run.watch("summary"));
+      write_study(plan, errors, notes, asked.cross_check, run, into, run.control("summary"));
     });
   return run.tally();
 }
@@ -368,7 +368,7 @@ ResultsSummary execute_study(const StudySpec& spec, const Campaign& campaign, co
 
 double cost_of(const PlannedTake& take) { return static_cast<double>(take.instants) + 1.0; }
 
-std::vector<TakeNote> notes_of(const ItemTally& tally) {
+std::vector<TakeNote> notes_of(const ItemCounts& tally) {
   std::vector<TakeNote> notes;
   for (const auto& [id, outcome] : tally.failed)
     for (TakeNote& note : read_as<TakeResult>(outcome, {id, {}}).notes) notes.push_back(std::move(note));

@@ -22,14 +22,14 @@ struct AccuracyStudy {
 // Takes of a campaign through every method into a folder of results; an item is a take. A take that cannot be
 // evaluated fails, the others go on. On the threads of the caller. InputError where the study has no method
 // that could be cross-checked, and as make_plan() and ResultsRun.
-ItemTally run_accuracy(const AccuracyStudy& asked, const std::filesystem::path& folder,
-                       const StudyOptions& options);
+ItemCounts run_accuracy(const AccuracyStudy& asked, const std::filesystem::path& folder,
+                        const StudyOptions& options);
 
 // About how long a take takes, in instants.
 double cost_of(const PlannedTake& take);
 
 // The notes of takes that failed.
-std::vector<TakeNote> notes_of(const ItemTally& tally);
+std::vector<TakeNote> notes_of(const ItemCounts& tally);
 
 // Plans and runs a study on all its takes; the summary.
 struct ExecuteOptions {

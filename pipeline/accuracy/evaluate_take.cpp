@@ -33,9 +33,9 @@ std::vector<std::string> tracks_of(const Plan& plan, const PlannedTake& planned)
 }
 
 // Reads what the take brings and holds it against the truth, by instant and name.
-std::vector<MethodPaths> paths_external(const Plan& plan, const PlannedTake& planned,
-                                        const PreparedTake& data, std::vector<TakeNote>& notes) {
-  std::vector<MethodPaths> paths;
+std::vector<MethodTrajectories> paths_external(const Plan& plan, const PlannedTake& planned,
+                                               const PreparedTake& data, std::vector<TakeNote>& notes) {
+  std::vector<MethodTrajectories> paths;
   if (planned.take.joints.empty()) return paths;
   std::vector<double> since_s;
   for (const HostTime t : data.time) since_s.push_back((t - planned.start).seconds());
@@ -52,7 +52,7 @@ std::vector<MethodPaths> paths_external(const Plan& plan, const PlannedTake& pla
 
 // The checks and disagreements of a take with all its sensors.
 TakeTracking tracking_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
-  TakeTracking tracking{data.checks, data.clock, rays_of(plan, planned, data)};
+  TakeTracking tracking{data.checks, data.clock, estimate_ray_noise(plan, planned, data)};
   tracking.clock.take = planned.take.id;
   tracking.rules = judge_rules(plan, planned, data);
   if (planned.truth == TakeTruth::mocap) tracking.bounds = bounds_of(plan, planned, data);
@@ -98,20 +98,21 @@ TakeHead head_of(const Plan& plan, const PlannedTake& planned) {
 }
 
 // A take as methods see it, and the joints that it brings.
-struct SeenTake {
-  PreparedTake all;       // by all sensors; without sensors the instants and their truth alone
-  FollowedTake followed;  // of a take whose sensors are left out in turn
-  std::vector<MethodPaths> external;
+struct ViewedTake {
+  PreparedTake all;     // by all sensors; without sensors the instants and their truth alone
+  PersonTake followed;  // of a take whose sensors are left out in turn
+  std::vector<MethodTrajectories> external;
 };
 
-SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& watch, TakeResult& result) {
+ViewedTake view_session_take(const Plan& plan, const PlannedTake& planned, const RunControl& control,
+                             TakeResult& result) {
   const bool leaves_out = planned.truth == TakeTruth::left_out_sensor;
-  RecordedTake recorded = read_take(plan, planned, watch.stop_requested);
-  SeenTake seen;
-  FollowedTake followed = follow_person(plan, planned, recorded);
+  RecordedTake recorded = read_take(plan, planned, control.stop_requested);
+  ViewedTake seen;
+  PersonTake followed = select_person(plan, planned, recorded);
   if (leaves_out) seen.followed = followed;
   seen.all =
-      view_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, watch.stop_requested);
+      view_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, control.stop_requested);
   result.tracking = tracking_of(plan, planned, seen.all);
   result.notes = seen.all.notes;
   if (leaves_out) append(result.notes, notes_on_silent(plan, planned, seen.all));
@@ -120,8 +121,8 @@ SeenTake see_session(const Plan& plan, const PlannedTake& planned, const Watch& 
 }
 
 // A take without a session: its truth, and what it brings.
-SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& result) {
-  SeenTake seen;
+ViewedTake view_joint_take(const Plan& plan, const PlannedTake& planned, TakeResult& result) {
+  ViewedTake seen;
   PreparedTake& data = seen.all;
   data.heading_rad.assign(planned.instants, std::numeric_limits<float>::quiet_NaN());
   data.truth_m.resize(planned.instants * plan.names.size());
@@ -136,7 +137,7 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& re
   };
   const std::filesystem::path& mocap = planned.take.mocap;
   for (std::string& text : suspicious_names(truth)) note(mocap, std::move(text));
-  for (std::string& text : points_left_out(planned.take, plan.names))
+  for (std::string& text : unmatched_points(planned.take, plan.names))
     note(planned.take.mapping, std::move(text));
   if (planned.truth_has_z_up)
     note(mocap,
@@ -148,17 +149,17 @@ SeenTake see_points(const Plan& plan, const PlannedTake& planned, TakeResult& re
 }  // namespace
 
 TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings& errors, bool cross_check,
-                         const std::filesystem::path& folder, const Watch& watch) {
+                         const std::filesystem::path& folder, const RunControl& control) {
   const PlannedTake& planned = plan.takes[take];
   TakeResult result;
-  const SeenTake seen =
-      plan.rig.empty() ? see_points(plan, planned, result) : see_session(plan, planned, watch, result);
+  const ViewedTake seen = plan.rig.empty() ? view_joint_take(plan, planned, result)
+                                           : view_session_take(plan, planned, control, result);
   StoredTake file = StoredTake::create(folder / StoredTake::kName, head_of(plan, planned));
   result.checks.resize(cross_check ? checked_methods(plan).size() : 0);
   const auto solve = [&](std::size_t track, const PreparedTake& prepared) {
     const double share = 1.0 / static_cast<double>(file.head().tracks.size());
-    const Watch part{watch.stop_requested,
-                     share_of(watch.progress, share * static_cast<double>(track), share)};
+    const RunControl part{control.stop_requested,
+                          share_of(control.progress, share * static_cast<double>(track), share)};
     const std::vector<TakeCheck> checks =
         solve_take(plan, planned, prepared, seen.external, cross_check, part,
                    [&](const SampleBlock& block) { file.write(track, block); });
@@ -166,7 +167,7 @@ TakeResult evaluate_take(const Plan& plan, std::size_t take, const ErrorSettings
   };
   if (planned.truth == TakeTruth::left_out_sensor)
     for (std::size_t s = 0; s < plan.rig.size(); ++s)
-      solve(s, view_take(plan, planned, seen.followed, std::nullopt, s, watch.stop_requested));
+      solve(s, view_take(plan, planned, seen.followed, std::nullopt, s, control.stop_requested));
   else
     solve(0, seen.all);
   file.write_errors(errors_of(file, errors));
@@ -181,7 +182,7 @@ TakeErrors stored_errors(const ItemStore& store, const std::string& key, const E
   if (errors.settings_sha256 == settings.sha256()) return errors;
   std::optional<StoredItem> item = store.find(key);
   if (!item) throw InputError(store.folder(key).string(), "was removed while it was read");
-  const ItemStore::Aside aside(store);
+  const ItemStore::StagingFolder aside(store);
   make_folder(aside.path() / "item");
   StoredTake copy = StoredTake::create(aside.path() / "item" / StoredTake::kName, there.head());
   SampleBlock block;

@@ -35,9 +35,9 @@ Plan plan_of(const std::filesystem::path& session, const std::filesystem::path& 
   return plan;
 }
 
-void solve(const Plan& plan, const PreparedTake& data, const Watch& watch, FusedSession& fused) {
+void solve(const Plan& plan, const PreparedTake& data, const RunControl& control, FusedSession& fused) {
   const bool has_sigma = plan.methods[0].spec.kind == &method_kind("range_bearing");
-  solve_take(plan, plan.takes[0], data, {}, false, watch, [&](const SampleBlock& block) {
+  solve_take(plan, plan.takes[0], data, {}, false, control, [&](const SampleBlock& block) {
     const std::size_t first = block.first_instant * plan.joints.size();
     for (std::size_t k = 0; k < block.status.size(); ++k) {
       FusedPoint& point = fused.points[first + k];
@@ -64,35 +64,36 @@ std::vector<ExchangedStretch> exchanged_stretches(const Plan& plan, const Prepar
 }  // namespace
 
 FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
-                          const MethodSpec& method, double rate_hz, const Watch& watch) {
+                          const MethodSpec& method, double rate_hz, const RunControl& control) {
   const Plan plan = plan_of(session, calibration, method, rate_hz);
-  const PreparedTake data = load_take(plan, plan.takes[0], watch.stop_requested);
+  const PreparedTake data = load_take(plan, plan.takes[0], control.stop_requested);
   FusedSession fused{.rate_hz = rate_hz,
                      .start_host_ns = data.time.front().ns,
                      .joints = plan.joints,
                      .points = std::vector<FusedPoint>(data.time.size() * plan.joints.size()),
                      .sensors = method.sensors.empty() ? plan.rig : method.sensors,
-                     .rays = rays_of(plan, plan.takes[0], data),
+                     .rays = estimate_ray_noise(plan, plan.takes[0], data),
                      .checks = data.checks,
                      .notes = data.notes,
                      .exchanged = exchanged_stretches(plan, data)};
-  solve(plan, data, watch, fused);
+  solve(plan, data, control, fused);
   for (const FusedPoint& point : fused.points)
     fused.answered += is_usable(point.status) ? 1.0 / static_cast<double>(fused.points.size()) : 0.0;
   return fused;
 }
 
 CorrectedCalibration correct_calibration(const std::filesystem::path& session,
-                                         const std::filesystem::path& calibration, const Watch& watch) {
+                                         const std::filesystem::path& calibration,
+                                         const RunControl& control) {
   WatchedFiles files;
   files.add(session);
   files.add(calibration);
   const auto method = read_as<MethodSpec>(Json{{"method", "range_bearing"}}, {"range_bearing", {}});
   const Plan plan = plan_of(session, calibration, method, 30.0);
   const PlannedTake& planned = plan.takes[0];
-  const PreparedTake data = load_take(plan, planned, watch.stop_requested);
+  const PreparedTake data = load_take(plan, planned, control.stop_requested);
   if (!data.shown.problem.empty())
-    throw InputError(session.string(), "tells nothing of the calibration: " + data.shown.problem);
+    throw InputError(session.string(), "gives no estimate of the calibration: " + data.shown.problem);
   CorrectedCalibration result{read_calibration(calibration), check_poses(plan, planned, data).rows,
                               data.notes};
   Calibration& corrected = result.calibration;
@@ -101,8 +102,8 @@ CorrectedCalibration correct_calibration(const std::filesystem::path& session,
   corrected.positions = data.shown.rows;
   corrected.rejected.clear();
   corrected.reduced_chi2.reset();
-  corrected.sources = {{session.filename().string(), hash_of_file(session, watch.stop_requested)},
-                       {calibration.filename().string(), hash_of_file(calibration, watch.stop_requested)}};
+  corrected.sources = {{session.filename().string(), hash_of_file(session, control.stop_requested)},
+                       {calibration.filename().string(), hash_of_file(calibration, control.stop_requested)}};
   for (std::size_t s = 0; s < plan.rig.size(); ++s) {
     SensorPose& pose = *std::ranges::find(corrected.sensors, plan.rig[s], &SensorPose::name);
     const PoseCorrection& shown = data.shown.of_sensor[s];

@@ -14,7 +14,7 @@
 #include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/methods/method_spec.h"
 #include "pipeline/accuracy/tracking_summary.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -36,7 +36,7 @@ struct FusedSession {
   std::vector<Joint> joints;
   std::vector<FusedPoint> points;  // instants times joints; a position that no sensor gives is NaN
   std::vector<std::string> sensors;
-  RayRow rays;
+  RayNoiseRow rays;
   std::vector<CheckRow> checks;
   std::vector<TakeNote> notes;
   std::vector<ExchangedStretch> exchanged;
@@ -49,7 +49,7 @@ struct FusedSession {
 // joints, from the first to the last body frame of any sensor. InputError as a study's take; Interrupted when
 // asked to stop.
 FusedSession fuse_session(const std::filesystem::path& session, const std::filesystem::path& calibration,
-                          const MethodSpec& method, double rate_hz, const Watch& watch);
+                          const MethodSpec& method, double rate_hz, const RunControl& control);
 
 // A calibration whose sensors are turned and shifted as the bodies of a session show, with the covariances
 // that they leave; and what they show. Sensors that the session does not have stay as they are. InputError
@@ -60,7 +60,7 @@ struct CorrectedCalibration {
   std::vector<TakeNote> notes;
 };
 CorrectedCalibration correct_calibration(const std::filesystem::path& session,
-                                         const std::filesystem::path& calibration, const Watch& watch);
+                                         const std::filesystem::path& calibration, const RunControl& control);
 
 // The joints as writers of marker files take them; refers to `fused`.
 JointTrack track_of(const FusedSession& fused);

@@ -16,18 +16,18 @@
 namespace trilat {
 namespace {
 
-// One way to tell where a joint is: all of these names, lower case and without signs; `@` is l or r. The
-// names of bones and markers are told apart by the type of the asset.
-struct Way {
+// Names of markers or bones that give a joint, all of which must exist, lower case and without signs; `@` is
+// l or r. The names of bones and markers are told apart by the type of the asset.
+struct MarkerRule {
   Joint joint;  // the left one of two
   bool bone;
   std::vector<std::string> names;
 };
 
-// In the order in which they are tried.
-const std::vector<Way>& ways() {
+// In the order of attempts: the first rule whose names all exist wins.
+const std::vector<MarkerRule>& marker_rules() {
   constexpr bool kBone = true, kMarker = false;
-  static const std::vector<Way> all{
+  static const std::vector<MarkerRule> all{
       // Motive's skeleton, and its names for FBX
       {Joint::spine_base, kBone, {"hip"}},
       {Joint::spine_base, kBone, {"hips"}},
@@ -174,7 +174,7 @@ std::vector<std::string> assets_of(const MocapHeader& header, Joint joint) {
   if (auto numbered = markers_numbered(header, plain_name(name_of(joint))); !numbered.empty())
     return numbered;
   const bool right = name_of(joint).ends_with("_right");
-  for (const Way& way : ways()) {
+  for (const MarkerRule& way : marker_rules()) {
     if (way.joint != (right ? mirror_of(joint) : joint)) continue;
     std::vector<std::string> assets;
     for (const std::string& name : way.names)
@@ -198,7 +198,7 @@ JointMapping propose_mapping(const MocapHeader& header) {
 
 bool is_in_mocap_world(const Take& take) { return read_calibration(take.calibration).world == "optitrack"; }
 
-MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watch) {
+MocapStart find_mocap_start(const Take& take, double search_s, const RunControl& control) {
   Json joints = Json::array();
   for (const JointMapping::Entry& entry : read_mapping(take.mapping).joints)
     joints.push_back(std::string(name_of(entry.joint)));
@@ -212,11 +212,11 @@ MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watc
                                  {"methods", {{{"method", "mean"}}}}},
                                 "start", {});
   study.clock_search_s = search_s;
-  const Plan plan = make_plan(study, {.name = "start", .takes = {take}}, watch);
+  const Plan plan = make_plan(study, {.name = "start", .takes = {take}}, control);
   PlannedTake planned = plan.takes.front();
   if (!planned.ok) throw InputError(planned.place, planned.problem);
   planned.take.mocap_start_host_ns = planned.start.ns;
-  const ClockRow clock = load_take(plan, planned, watch.stop_requested).clock;
+  const ClockOffsetRow clock = load_take(plan, planned, control.stop_requested).clock;
   if (!clock.applied) return {clock.status, cause_of(clock.status)};
   return {clock.status,  {},          planned.start.ns - duration_from_s(clock.offset_s).ns, -clock.offset_s,
           -clock.high_s, -clock.low_s};

@@ -7,7 +7,7 @@
 
 #include "datasets/mocap/mocap_take.h"
 #include "datasets/rig/campaign.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -33,6 +33,6 @@ struct MocapStart {
 // Lays the joints' speeds in the take's bodies and in its mocap over each other, at every start up to
 // `search_s` before and after the recording's. Needs calibration and mapping. The tracker's lag, 0.05 s or
 // so, is in what is found. InputError for what cannot be read.
-MocapStart find_mocap_start(const Take& take, double search_s, const Watch& watch);
+MocapStart find_mocap_start(const Take& take, double search_s, const RunControl& control);
 
 }  // namespace trilat

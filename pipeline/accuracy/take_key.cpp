@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-// Settings of a study that a take's samples do not depend on.
+// Keys of a study that a take's samples do not depend on.
 constexpr const char* kOfTheSummary[] = {"name",      "paper",      "conditions",     "occluded_apart",
                                          "reference", "alignments", "training_share", "cross_check_limit_m"};
 
@@ -76,7 +76,7 @@ std::string key_of_take(const Plan& plan, std::size_t take, std::span<const Take
                  {"joints", plan.names},
                  {"external", external},
                  {"cross_check", cross_check},
-                 {"judges_places", judges_places(plan.study)},
+                 {"compares_absolute_positions", compares_absolute_positions(plan.study)},
                  {"take", json_of(plan.takes[take].take, inputs)}});
 }
 

@@ -10,7 +10,7 @@
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_result.h"
 #include "pipeline/study/hash_cache.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -21,7 +21,7 @@ struct TakeFile {
 };
 std::vector<TakeFile> files_of(const Take& take);
 
-// To be asked before the take is planned, and checked when it was evaluated.
+// Ask before the take is planned, and check() after it was evaluated.
 WatchedFiles watched_files(const Take& take);
 
 // The files of a take with their hashes. Interrupted when asked to stop.

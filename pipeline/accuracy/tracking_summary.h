@@ -32,7 +32,7 @@ struct CheckRow {
 
 // The offset between mocap and sensors that the motion of one take shows: mocap time = stated + offset. It
 // contains the trackers' lag.
-struct ClockRow {
+struct ClockOffsetRow {
   std::string take;
   std::string status;
   double offset_s = kNaN, low_s = kNaN, high_s = kNaN;  // 95 %
@@ -49,7 +49,7 @@ struct ClockRow {
 
 // By how much the sensors of one take disagree along their rays and across, without what all sensors have in
 // common. `problem` says why there are no numbers.
-struct RayRow {
+struct RayNoiseRow {
   std::string take;
   std::uint64_t rows = 0;  // instants of single joints
   std::string problem = {};
@@ -97,8 +97,8 @@ struct TrackingSummary {
   bool simulated = false;
   bool repaired = false;  // exchanges that were found were undone
   std::vector<CheckRow> checks = {};
-  std::vector<ClockRow> clocks = {};
-  std::vector<RayRow> rays = {};
+  std::vector<ClockOffsetRow> clocks = {};
+  std::vector<RayNoiseRow> rays = {};
   std::vector<RuleRow> rules = {};  // of simulations whose methods ask what is hidden
   std::vector<BoundRow> bounds = {};
 

@@ -31,10 +31,11 @@ const WandPoses& wand_poses(PoseSource poses) {
 }
 
 // Folder of the calibrations by this wand, of this build of the program.
-fs::path folder_of(const CampaignWand& wand, const fs::path& results, HashCache& hashes, const Watch& watch) {
-  Json inputs{hashes.hash(wand.session, watch.stop_requested).sha256, wand.ball_radius_m};
+fs::path folder_of(const CampaignWand& wand, const fs::path& results, HashCache& hashes,
+                   const RunControl& control) {
+  Json inputs{hashes.hash(wand.session, control.stop_requested).sha256, wand.ball_radius_m};
   if (!wand.mocap.empty())
-    inputs.insert(inputs.end(), {hashes.hash(wand.mocap, watch.stop_requested).sha256, wand.asset,
+    inputs.insert(inputs.end(), {hashes.hash(wand.mocap, control.stop_requested).sha256, wand.asset,
                                  wand.mocap_start_host_ns});
   return results / "poses" / key_of({{"wand", inputs}}).substr(0, 12);
 }
@@ -47,7 +48,7 @@ bool asks_for_wand(const StudySpec& study) {
 }
 
 StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::path& results,
-                          HashCache& hashes, const Watch& watch) {
+                          HashCache& hashes, const RunControl& control) {
   std::vector<Stage*> stages;
   for (Stage& stage : study.stages) stages.push_back(&stage);
   if (stages.empty()) stages.push_back(&study.stage);
@@ -58,7 +59,7 @@ StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::p
                      "asks for poses by a wand, and the campaign names none: add \"wand\": {\"session\": …} "
                      "to its campaign.json, or leave the key out for the takes' own calibration");
   const CampaignWand& wand = *campaign.wand;
-  const fs::path folder = folder_of(wand, results, hashes, watch);
+  const fs::path folder = folder_of(wand, results, hashes, control);
   std::vector<PoseSource> missing;
   for (Stage* stage : stages) {
     stage->calibration = folder / wand_poses(stage->poses).file;
@@ -67,7 +68,7 @@ StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const fs::p
   }
   if (missing.empty()) return study;
   CalibrateWandOptions options;
-  options.search.watch = watch;
+  options.search.control = control;
   options.search.find.ball_radius_m = wand.ball_radius_m;
   if (!wand.mocap.empty()) options.world = WandInWorld{wand.mocap, wand.asset, wand.mocap_start_host_ns};
   std::vector<WandMethod> methods;

@@ -6,7 +6,7 @@
 #include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/methods/study_spec.h"
 #include "pipeline/study/hash_cache.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -17,6 +17,6 @@ bool asks_for_wand(const StudySpec& study);
 // there is taken as it is. A study whose poses are all stated comes back as it is, and nothing is written.
 // InputError where the campaign names no wand, and as calibrate_wand().
 StudySpec with_wand_poses(StudySpec study, const Campaign& campaign, const std::filesystem::path& results,
-                          HashCache& hashes, const Watch& watch);
+                          HashCache& hashes, const RunControl& control);
 
 }  // namespace trilat

@@ -82,7 +82,7 @@ std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> metho
   sources.insert(sources.end(), others.begin(), others.end());
   for (const std::filesystem::path& file : sources) {
     const CalibrationSource source{file.filename().string(),
-                                   hash_of_file(file, options.search.watch.stop_requested)};
+                                   hash_of_file(file, options.search.control.stop_requested)};
     for (WandCalibration& result : results) result.calibration.sources.push_back(source);
   }
   watched.check();

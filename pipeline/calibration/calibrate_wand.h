@@ -25,12 +25,12 @@ enum class WandMethod { wand, two_positions, printed };
 WandCalibration calibrate_wand(const std::vector<std::filesystem::path>& files,
                                const CalibrateWandOptions& options, WandMethod method = WandMethod::wand);
 
-// The same by several methods, of one search for the wand.
+// Calibrates by several methods, of one search for the wand.
 std::vector<WandCalibration> calibrate_wand_by(std::span<const WandMethod> methods,
                                                const std::vector<std::filesystem::path>& files,
                                                const CalibrateWandOptions& options);
 
-// The same by one method, where the wand was looked for already. `first`: the first recording.
+// Calibrates by one method, where the wand was searched for already. `first`: the first recording.
 WandCalibration calibrate_searched(WandMethod method, const SessionReader& first,
                                    const CalibrateWandOptions& options, const WandObservations& views);
 

@@ -26,7 +26,7 @@ struct FloorPlane {
 // From the first of some hundred body frames, spread over the session, that has one.
 std::optional<FloorPlane> floor_seen_by(const SessionReader& session, std::size_t sensor);
 
-// Where an OptiTrack export has the wand's ball, in the order of time.
+// Path of the wand's ball in an OptiTrack export, in the order of time.
 struct WandTrack {
   std::vector<MocapTime> times;
   std::vector<Eigen::Vector3d> position_m;  // one a time
@@ -46,7 +46,7 @@ struct WandInWorld {
 // InputError when the export has no such asset, or not its position.
 WandTrack read_wand_track(const std::filesystem::path& mocap, const std::string& asset);
 
-// Where OptiTrack saw the wand while it rested: the mean over each position's interval, as sure as its
+// Positions of the resting wand by OptiTrack: the mean over each position's interval, as sure as its
 // samples and `sigma_m` say. Positions that the export does not cover, or at which the asset moved by more
 // than 5 mm, are left out. InputError when fewer than three are left.
 std::vector<ControlPoint> known_positions(const WandInWorld& world, std::span<const WandPosition> positions);

@@ -36,7 +36,7 @@ void search(const SessionReader& session, const SearchedSensor& sensor, const Wa
       session.stamps(block.sensor, FrameStream::depth, block.first, block.count);
   std::optional<Eigen::Vector3d> before_m;
   for (std::uint64_t i = 0; i < block.count; ++i) {
-    options.watch.check();
+    options.control.check();
     decode_depth_frame(session.stored_depth_frame(block.sensor, block.first + i), depth_mm);
     if (i % options.whole_image_every == 0) before_m.reset();
     const DepthImageView image{kDepthWidth, kDepthHeight, depth_mm};
@@ -62,7 +62,7 @@ std::vector<SearchedBlock> search_all(const SessionReader& session, const WandSe
   std::atomic<std::uint64_t> done{0};
   parallel_for_index(blocks.size(), 1, [&](std::size_t b) {
     search(session, sensors[blocks[b].sensor], options, blocks[b]);
-    options.watch.tell(static_cast<double>(done += blocks[b].count) / static_cast<double>(all));
+    options.control.report(static_cast<double>(done += blocks[b].count) / static_cast<double>(all));
   });
   return blocks;
 }

@@ -15,7 +15,7 @@
 #include "evaluators/calibration/wand_positions.h"
 #include "evaluators/wand/find_wand.h"
 #include "pipeline/calibration/wand_in_world.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -24,7 +24,7 @@ struct WandSearchOptions {
   // Between two searches of the whole image the ball is looked for where it was in the frame before; a second
   // ball is noticed at the next whole search.
   std::uint64_t whole_image_every = 15;
-  Watch watch = {};
+  RunControl control = {};
 };
 
 // Evidence that a calibration rests on, for the text a person judges it by.
@@ -36,7 +36,7 @@ struct SensorEvidence {
   double nearest_m = 0.0, farthest_m = 0.0;       // of the ball at rest
 };
 
-// Where the wand was held, of all recordings one after the other.
+// Places of the wand, of all recordings one after the other.
 struct WandObservations {
   std::vector<SensorEvidence> evidence;  // one a sensor
   std::vector<WandPosition> positions;
@@ -49,8 +49,8 @@ struct ViewWandOptions {
   WandPositionOptions positions;
 };
 
-// Where the wand was held in recordings of one rig, by all their depth frames. The result does not depend on
-// the number of threads. InputError names the sensor that has no depth or other images, and the
+// Finds the places of the wand in recordings of one rig, by all their depth frames. The result does not
+// depend on the number of threads. InputError names the sensor that has no depth or other images, and the
 // recording with other sensors than the first.
 WandObservations view_wand(std::span<const SessionReader> sessions, const ViewWandOptions& options);
 

@@ -18,7 +18,7 @@
 namespace trilat {
 namespace {
 
-// Where the paper sees the error grow: columns 0 to 149 and 351 to the last.
+// Columns in which the paper sees the error grow: 0 to 149 and 351 to the last.
 constexpr std::size_t kMiddleFrom = 150, kMiddleTo = 350;
 
 struct Mean {
@@ -33,8 +33,8 @@ struct Mean {
 
 }  // namespace
 
-ErrorSpread spread_of(const std::vector<ClusteredError>& errors) {
-  ErrorSpread spread;
+ErrorStatistics statistics_of(const std::vector<ClusteredError>& errors) {
+  ErrorStatistics spread;
   std::map<std::size_t, std::pair<double, double>> clusters;  // sum, count
   std::vector<double> answered;
   double sum = 0.0, squares = 0.0;
@@ -116,7 +116,7 @@ void add_spreads(const NumberKey& key, const WandRecording& recording, std::size
   }
   for (const auto& [measure, errors] :
        {std::pair{"ball_distance", &distances}, {"ball_position", &positions}}) {
-    const ErrorSpread spread = spread_of(*errors);
+    const ErrorStatistics spread = statistics_of(*errors);
     numbers.add({key.with({.measure = measure, .statistic = "mean"}), spread.mean_m, spread.mean_low_m,
                  spread.mean_high_m, spread.answered, spread.clusters});
     for (const auto& [statistic, value_m] : {std::pair{"sd", spread.sd_m},
@@ -126,7 +126,7 @@ void add_spreads(const NumberKey& key, const WandRecording& recording, std::size
       numbers.add(
           {key.with({.measure = measure, .statistic = statistic}), value_m, kNaN, kNaN, spread.answered});
   }
-  const auto answered = static_cast<double>(spread_of(distances).answered);
+  const auto answered = static_cast<double>(statistics_of(distances).answered);
   numbers.add({key.with({.measure = "answered", .statistic = "share"}),
                answered / static_cast<double>(distances.size()), kNaN, kNaN, distances.size()});
 }
@@ -216,7 +216,7 @@ void add_poses(const std::vector<WandRecording>& wands, Numbers& numbers) {
       all.push_back({all.size(), pose.position_m});
     }
   for (const auto& [method, errors] : by_method) {
-    const ErrorSpread spread = spread_of(errors);
+    const ErrorStatistics spread = statistics_of(errors);
     numbers.add({{.method = method, .measure = "pose", .statistic = "mean_difference"},
                  spread.mean_m,
                  spread.mean_low_m,

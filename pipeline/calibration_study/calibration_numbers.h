@@ -11,7 +11,7 @@
 namespace trilat {
 
 // How a set of errors is spread, in metres. NaN where nothing answered.
-struct ErrorSpread {
+struct ErrorStatistics {
   std::uint64_t asked = 0;
   std::uint64_t answered = 0;
   double mean_m = kNaN;
@@ -30,7 +30,7 @@ struct ClusteredError {
   double error_m = kNaN;  // NaN: no answer
 };
 
-ErrorSpread spread_of(const std::vector<ClusteredError>& errors);
+ErrorStatistics statistics_of(const std::vector<ClusteredError>& errors);
 
 // Means over the columns of a row that had a depth: the two outer parts, where the paper finds more error
 // (columns 0 to 149 and 351 to the last), and between.

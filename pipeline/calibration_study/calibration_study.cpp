@@ -22,7 +22,7 @@ struct Recording {
   std::string id, name;
   std::vector<RecordingFile> files;
   Json stated;  // what the campaign states of it beside its files
-  std::function<Json(const Watch&)> measure;
+  std::function<Json(const RunControl&)> measure;
 };
 
 // "bench_room" of bench_room/session.h5, "wall" of wall.h5.
@@ -42,10 +42,10 @@ Recording wand_recording(const CalibrationSpec& spec, const CampaignWand& wand, 
   for (const Take& take : campaign.takes)
     if (calibration.empty()) calibration = take.calibration;
   if (!calibration.empty()) recording.files.push_back({recording.name, "calibration", calibration});
-  recording.measure = [=](const Watch& watch) {
+  recording.measure = [=](const RunControl& control) {
     std::optional<Calibration> stated;
     if (!calibration.empty()) stated = read_calibration(calibration);
-    return json_of(measure_wand(wand, stated, spec.frames, watch));
+    return json_of(measure_wand(wand, stated, spec.frames, control));
   };
   return recording;
 }
@@ -55,8 +55,8 @@ Recording stated_recording(const CalibrationSpec& spec, const StatedDistances& s
       "distances/" + std::to_string(number + 1), name_of_recording(stated.session), {}, {}, {}};
   recording.stated = {{"ball_radius_m", stated.ball_radius_m}};
   recording.files = {{recording.name, "session", stated.session}, {recording.name, "places", stated.places}};
-  recording.measure = [=](const Watch& watch) {
-    return json_of(measure_stated_distances(stated, spec.frames, watch));
+  recording.measure = [=](const RunControl& control) {
+    return json_of(measure_stated_distances(stated, spec.frames, control));
   };
   return recording;
 }
@@ -65,7 +65,7 @@ Recording wall_recording(const FlatWall& wall, std::size_t number) {
   Recording recording{"walls/" + std::to_string(number + 1), name_of_recording(wall.session), {}, {}, {}};
   if (wall.distance_m) recording.stated = {{"distance_m", *wall.distance_m}};
   recording.files = {{recording.name, "session", wall.session}};
-  recording.measure = [=](const Watch& watch) { return json_of(measure_wall(wall, watch)); };
+  recording.measure = [=](const RunControl& control) { return json_of(measure_wall(wall, control)); };
   return recording;
 }
 
@@ -86,13 +86,13 @@ std::vector<Recording> recordings_of(const CalibrationSpec& spec, const Campaign
   return recordings;
 }
 
-// What the items gave; those that failed are named in `summary`.
+// Collects what the items gave; those that failed are named in `summary`.
 CalibrationRecordings gather(const std::vector<Recording>& recordings, const ResultsRun& run,
                              CalibrationSummary& summary) {
   CalibrationRecordings made;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const Recording& recording = recordings[r];
-    const Outcome& outcome = run.outcome(r);
+    const ItemResult& outcome = run.outcome(r);
     if (outcome.failed) {
       summary.failed.push_back(recording.name + ": " + outcome.json.at("problem").get<std::string>());
       continue;
@@ -124,16 +124,16 @@ void write_study(const CalibrationSpec& spec, const Campaign& campaign,
   if (summary.recordings.empty())
     throw InputError("campaign \"" + campaign.name + '"', summary.failed.front());
   summary.numbers = calibration_numbers(made);
-  const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
+  const std::vector<SimulationAssumption> simulator = read_declared_parameters(campaign.folder);
   if (!simulator.empty()) write_declared_parameters(folder, simulator);
   store_tables(folder, calibration_tables(summary, made));
-  write_beside(folder, StoredFigures{calibration_figures(summary.simulated, made)});
+  write_json_file(folder, StoredFigures{calibration_figures(summary.simulated, made)});
   write_results(folder, summary);
 }
 
-Computed measure(const Recording& recording, const WatchedFiles& files, const Watch& watch) {
+ComputedItem measure(const Recording& recording, const WatchedFiles& files, const RunControl& control) {
   try {
-    Json outcome = recording.measure(watch);
+    Json outcome = recording.measure(control);
     files.check();
     return outcome;
   } catch (const InputError& error) {
@@ -160,8 +160,8 @@ std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& 
   return recordings_of(spec, campaign).size();
 }
 
-ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign, const fs::path& folder,
-                          const StudyOptions& options) {
+ItemCounts run_calibration(const CalibrationSpec& spec, const Campaign& campaign, const fs::path& folder,
+                           const StudyOptions& options) {
   const std::vector<Recording> recordings = recordings_of(spec, campaign);
   const Json resolved = json_of(spec);
   HashCache hashes;
@@ -177,11 +177,11 @@ ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign,
     stated[recording.id] = recording.stated;
   }
   ResultsRun run(folder, items, options);
-  run.find_keys([&](std::size_t r, const Watch& watch) {
+  run.find_keys([&](std::size_t r, const RunControl& control) {
     return key_of({{"study", resolved},
                    {"simulated", campaign.simulated},
                    {"stated", recordings[r].stated},
-                   {"inputs", hashed_inputs(recordings[r].files, hashes, watch.stop_requested)}});
+                   {"inputs", hashed_inputs(recordings[r].files, hashes, control.stop_requested)}});
   });
   const Json manifest = manifest_of(resolved, {{"campaign", campaign.name},
                                                {"simulated", campaign.simulated},
@@ -190,8 +190,8 @@ ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign,
   if (run.is_finished(manifest)) return run.tally();
   run.begin(manifest);
   if (run.is_whole()) hashes.save(folder);
-  run.compute([&](std::size_t r, const fs::path&, const Watch& watch) {
-    return measure(recordings[r], watched[r], watch);
+  run.compute([&](std::size_t r, const fs::path&, const RunControl& control) {
+    return measure(recordings[r], watched[r], control);
   });
   if (run.is_whole())
     run.publish_results(manifest,

@@ -31,7 +31,7 @@ std::size_t calibration_recordings(const CalibrationSpec& spec, const Campaign& 
 // Evaluates them, each an item, on the threads of the current arena; one that cannot be evaluated fails and
 // is named. summary.json is a CalibrationSummary. InputError where the campaign has no such recording, or
 // none can be evaluated; throws Interrupted.
-ItemTally run_calibration(const CalibrationSpec& spec, const Campaign& campaign,
-                          const std::filesystem::path& folder, const StudyOptions& options);
+ItemCounts run_calibration(const CalibrationSpec& spec, const Campaign& campaign,
+                           const std::filesystem::path& folder, const StudyOptions& options);
 
 }  // namespace trilat

@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// Where the true distance of the ball comes from.
+// Source of the true distance of the ball.
 enum class WandTruth : std::uint8_t {
   stated,     // places.csv
   optitrack,  // OptiTrack's export, in the pose that the other places give the sensor

@@ -288,7 +288,8 @@ StoredTables calibration_tables(const CalibrationSummary& s, const CalibrationRe
       shown.tables.push_back(poses_table(s, made.wands));
       break;
     }
-  for (std::size_t t = 0; t < 2 && t < shown.tables.size(); ++t) shown.tables[t].shown = Table::Shown::first;
+  for (std::size_t t = 0; t < 2 && t < shown.tables.size(); ++t)
+    shown.tables[t].shown = Table::Placement::first;
   return shown;
 }
 

@@ -151,7 +151,7 @@ double angle_of(const Eigen::Vector3d& point_in_sensor_m) {
 }
 
 std::vector<PlaceOutcome> measure_places(const SessionReader& session, const std::vector<WandPlace>& places,
-                                         WandRecording& recording, const Watch& watch) {
+                                         WandRecording& recording, const RunControl& control) {
   recording.simulated = session.header().simulated;
   for (const SensorDescription& sensor : session.header().sensors) recording.sensors.push_back(sensor.name);
   recording.statuses.resize(finders().size());
@@ -159,10 +159,10 @@ std::vector<PlaceOutcome> measure_places(const SessionReader& session, const std
   std::vector<PlaceOutcome> outcomes(places.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(places.size(), 1, [&](std::size_t p) {
-    watch.check();
+    control.check();
     outcomes[p] =
         find_at(session, frames[places[p].sensor], places[p], recording.ball_radius_m, recording.frames);
-    watch.tell(static_cast<double>(++done) / static_cast<double>(places.size()));
+    control.report(static_cast<double>(++done) / static_cast<double>(places.size()));
   });
   for (std::size_t p = 0; p < places.size(); ++p) add_samples(places[p], outcomes[p], recording);
   return outcomes;

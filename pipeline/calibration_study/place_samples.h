@@ -11,7 +11,7 @@
 #include "datasets/session/session_reader.h"
 #include "evaluators/wand/wand_sighting.h"
 #include "pipeline/calibration_study/calibration_summary.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -39,7 +39,7 @@ struct PlaceOutcome {
 // Looks for the ball at each place in at most `recording.frames` frames, whose mean counts, and adds a sample
 // a method to `recording`, with its sensors; gives what was found, in the order of the places.
 std::vector<PlaceOutcome> measure_places(const SessionReader& session, const std::vector<WandPlace>& places,
-                                         WandRecording& recording, const Watch& watch);
+                                         WandRecording& recording, const RunControl& control);
 
 // Angle between a direction and the lens' axis.
 double angle_of(const Eigen::Vector3d& point_in_sensor_m);

@@ -114,7 +114,7 @@ std::vector<std::string> plain_cells(std::string_view line) {
   return cells;
 }
 
-// Where each column stands; as far as the line is long for one that is not there.
+// Place of each column; the length of the line for one that is not there.
 std::array<std::size_t, kPlaceColumns.size()> place_columns(const std::vector<std::string>& names,
                                                             const std::string& place) {
   std::array<std::size_t, kPlaceColumns.size()> at{};
@@ -187,14 +187,14 @@ std::vector<WandPlace> read_stated_places(const std::filesystem::path& csv, cons
 }
 
 WandRecording measure_stated_distances(const StatedDistances& stated, std::uint64_t frames,
-                                       const Watch& watch) {
+                                       const RunControl& control) {
   const SessionReader session(stated.session);
   WandRecording recording;
   recording.truth = WandTruth::stated;
   recording.ball_radius_m = stated.ball_radius_m;
   recording.frames = frames;
   const std::vector<WandPlace> places = read_stated_places(stated.places, session);
-  const std::vector<PlaceOutcome> outcomes = measure_places(session, places, recording, watch);
+  const std::vector<PlaceOutcome> outcomes = measure_places(session, places, recording, control);
   std::vector<FoundBalls> found(recording.sensors.size());
   for (std::size_t p = 0; p < places.size(); ++p) {
     if (outcomes[p].status.back() != WandStatus::found) continue;

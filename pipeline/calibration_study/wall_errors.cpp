@@ -98,13 +98,13 @@ double noise_of(const PixelSums& sums, const DepthRays& rays, const WallPlane& p
 // Mean absolute errors of the middle row's columns over all frames: of the depth from the plane, and of a
 // point's place across the view by eq. 4 as printed.
 void add_columns(const SessionReader& session, std::size_t sensor, const DepthRays& rays,
-                 const WallPlane& plane, const Watch& watch, WallRow& row) {
+                 const WallPlane& plane, const RunControl& control, WallRow& row) {
   row.residual_m.assign(kDepthWidth, 0.0);
   row.printed_error_m.assign(kDepthWidth, 0.0);
   std::vector<std::uint64_t> count(kDepthWidth, 0);
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   for (std::uint64_t f = 0; f < row.frames; ++f) {
-    watch.check();
+    control.check();
     session.depth_frame(sensor, f, depth_mm);
     for (int c = 0; c < kDepthWidth; ++c) {
       const std::size_t i = rays.index(c, kMiddleRow);
@@ -123,7 +123,7 @@ void add_columns(const SessionReader& session, std::size_t sensor, const DepthRa
       (*sums)[c] = count[c] == 0 ? kNaN : (*sums)[c] / static_cast<double>(count[c]);
 }
 
-WallRow measure_sensor(const SessionReader& session, std::size_t sensor, const Watch& watch) {
+WallRow measure_sensor(const SessionReader& session, std::size_t sensor, const RunControl& control) {
   WallRow row;
   row.sensor = session.header().sensors[sensor].name;
   row.frames = session.counts(sensor).depth_frames;
@@ -133,7 +133,7 @@ WallRow measure_sensor(const SessionReader& session, std::size_t sensor, const W
   PixelSums sums;
   std::vector<std::uint16_t> depth_mm(kDepthPixels);
   for (std::uint64_t f = 0; f < row.frames; ++f) {
-    watch.check();
+    control.check();
     session.depth_frame(sensor, f, depth_mm);
     sums.add(depth_mm);
   }
@@ -147,19 +147,19 @@ WallRow measure_sensor(const SessionReader& session, std::size_t sensor, const W
   row.distance_m = wall.plane.at_axis_m;
   row.tilt_rad = wall.plane.tilt_rad();
   row.noise_m = noise_of(sums, rays, wall.plane);
-  add_columns(session, sensor, rays, wall.plane, watch, row);
+  add_columns(session, sensor, rays, wall.plane, control, row);
   return row;
 }
 
 }  // namespace
 
-WallRecording measure_wall(const FlatWall& wall, const Watch& watch) {
+WallRecording measure_wall(const FlatWall& wall, const RunControl& control) {
   const SessionReader session(wall.session);
   WallRecording recording;
   recording.simulated = session.header().simulated;
   recording.rows.resize(session.header().sensors.size());
   parallel_for_index(recording.rows.size(), 1, [&](std::size_t s) {
-    recording.rows[s] = measure_sensor(session, s, watch);
+    recording.rows[s] = measure_sensor(session, s, control);
     recording.rows[s].stated_m = wall.distance_m.value_or(kNaN);
   });
   constexpr double kMaxOff_m = 0.15;

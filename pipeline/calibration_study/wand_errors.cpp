@@ -65,7 +65,7 @@ std::vector<WandPlace> left_out_places(const WandObservations& views, const Sess
       known_m[known.point] = known.point_in_world_m;
   std::vector<WandPlace> places;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    options.search.watch.check();
+    options.search.control.check();
     if (part_of(views, fold, true).positions.empty()) continue;
     const std::vector<SensorPose> poses =
         calibrate_views(part_of(views, fold, false), session.path().string(), options).calibration.sensors;
@@ -116,11 +116,11 @@ void add_poses(const char* name, WandMethod method, const SessionReader& session
 }  // namespace
 
 WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibration>& stated,
-                           std::uint64_t frames, const Watch& watch) {
+                           std::uint64_t frames, const RunControl& control) {
   const SessionReader session(wand.session);
   CalibrateWandOptions options;
   options.search.find.ball_radius_m = wand.ball_radius_m;
-  options.search.watch = {watch.stop_requested, [&](double share) { watch.tell(0.5 * share); }};
+  options.search.control = {control.stop_requested, [&](double share) { control.report(0.5 * share); }};
   if (!wand.mocap.empty()) {
     options.world = WandInWorld{wand.mocap, wand.asset, wand.mocap_start_host_ns};
     options.world->track = read_wand_track(wand.mocap, wand.asset);
@@ -144,7 +144,7 @@ WandRecording measure_wand(const CampaignWand& wand, const std::optional<Calibra
                     "so that one can be left out",
                     views.positions.size()));
   measure_places(session, left_out_places(views, session, options), recording,
-                 {watch.stop_requested, [&](double share) { watch.tell(0.5 + 0.5 * share); }});
+                 {control.stop_requested, [&](double share) { control.report(0.5 + 0.5 * share); }});
   return recording;
 }
 

@@ -25,18 +25,18 @@ double depth_of(double value, const ClaimBound& bound) {
   return kNaN;
 }
 
-ClaimChance chance_of(const Estimate& e, double scale, const ClaimBound& bound) {
+ClaimPValues p_values_of(const Estimate& e, double scale, const ClaimBound& bound) {
   const double depth = depth_of(scale * e.value, bound);
   if (e.clusters < 2 || !(e.standard_error > 0.0) || !std::isfinite(depth)) return {};
   const double both = student_two_sided(depth / (scale * e.standard_error), e.clusters - 1);
-  return depth > 0.0 ? ClaimChance{both, 1.0} : ClaimChance{1.0, both};
+  return depth > 0.0 ? ClaimPValues{both, 1.0} : ClaimPValues{1.0, both};
 }
 
-ClaimChance chance_of(const ShareEstimate& e, const ClaimBound& bound) {
+ClaimPValues p_values_of(const ShareEstimate& e, const ClaimBound& bound) {
   const double margin = 0.01 * bound.margin;
   const double more = std::min(1.0, 2.0 * e.chance_of_more(margin)),
                fewer = std::min(1.0, 2.0 * e.chance_of_fewer(margin));
-  return bound.side == ClaimBound::Side::more_than ? ClaimChance{more, fewer} : ClaimChance{fewer, more};
+  return bound.side == ClaimBound::Side::more_than ? ClaimPValues{more, fewer} : ClaimPValues{fewer, more};
 }
 
 std::string bound_text(const ClaimBound& bound, const std::string& unit) {
@@ -49,14 +49,14 @@ double scale_of(const std::string& unit) { return unit == "%" || unit == "cm" ? 
 
 }  // namespace
 
-ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound) {
+ClaimPValues p_values_of(const MeasuredNumber& number, const ClaimBound& bound) {
   constexpr double kPercent = 100.0;
-  if (const auto* share = std::get_if<ShareEstimate>(&number)) return chance_of(*share, bound);
+  if (const auto* share = std::get_if<ShareEstimate>(&number)) return p_values_of(*share, bound);
   if (const auto* whole = std::get_if<double>(&number)) {
     const bool holds = depth_of(kPercent * *whole, bound) > 0.0;
     return {holds ? 0.0 : 1.0, holds ? 1.0 : 0.0};
   }
-  return chance_of(std::get<Estimate>(number), kPercent, bound);
+  return p_values_of(std::get<Estimate>(number), kPercent, bound);
 }
 
 Estimate estimate_of(const Number& number) {
@@ -66,13 +66,13 @@ Estimate estimate_of(const Number& number) {
   return estimate;
 }
 
-ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers) {
-  ClaimChance all{0.0, 1.0};
-  for (const ClaimChance& one : numbers) {
+ClaimPValues chance_of_all(const std::vector<ClaimPValues>& numbers) {
+  ClaimPValues all{0.0, 1.0};
+  for (const ClaimPValues& one : numbers) {
     all.holds = std::max(all.holds, one.holds);
     all.fails = std::min(all.fails, one.fails * static_cast<double>(numbers.size()));
   }
-  return numbers.empty() ? ClaimChance{} : all;
+  return numbers.empty() ? ClaimPValues{} : all;
 }
 
 ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
@@ -101,9 +101,9 @@ ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
   number.compared = measured.compared;
   if (!bound) return number;
   number.bound = bound_text(*bound, measured.unit);
-  const ClaimChance chance = chance_of(measured.number, *bound);
-  number.p_holds = chance.holds;
-  number.p_fails = chance.fails;
+  const ClaimPValues p_values = p_values_of(measured.number, *bound);
+  number.p_holds = p_values.holds;
+  number.p_fails = p_values.fails;
   return number;
 }
 

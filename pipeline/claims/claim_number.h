@@ -40,17 +40,17 @@ Estimate estimate_of(const Number& number);
 // Twice the one-sided probabilities, at most 1, that a number lies so far on its side of the bound (or on the
 // other) by chance: by Student's t of an estimate between clusters, exact of a share. 1 where nothing is
 // known of the spread; 0 and 1 where nothing was sampled.
-struct ClaimChance {
+struct ClaimPValues {
   double holds = 1.0, fails = 1.0;
   double decided() const { return holds < fails ? holds : fails; }
 };
-ClaimChance chance_of(const MeasuredNumber& number, const ClaimBound& bound);
+ClaimPValues p_values_of(const MeasuredNumber& number, const ClaimBound& bound);
 
-// A claim of several numbers holds when all do (the largest of their chances: Berger 1982) and fails when one
+// A claim of several numbers holds when all do (the largest of their p values: Berger 1982) and fails when one
 // does (the smallest, times their number).
-ClaimChance chance_of_all(const std::vector<ClaimChance>& numbers);
+ClaimPValues chance_of_all(const std::vector<ClaimPValues>& numbers);
 
-// What a measurement comes to; without a bound where nothing is to be decided.
+// Number of a claim by a measurement; without a bound where nothing is to be decided.
 ClaimNumber claim_number(const std::string& claim, const Measurement& measured,
                          const std::optional<ClaimBound>& bound);
 

@@ -152,7 +152,7 @@ std::vector<std::size_t> ClaimedErrors::methods_of(const std::string& name) cons
     if (found != names.methods.end())
       methods.push_back(static_cast<std::size_t>(found - names.methods.begin()));
   };
-  const auto family = std::ranges::find(names.families, name, &MethodFamily::name);
+  const auto family = std::ranges::find(names.families, name, &SensorSetGroup::name);
   if (family != names.families.end())
     std::ranges::for_each(family->methods, add);
   else

@@ -12,7 +12,7 @@ namespace trilat {
 
 // The group of numbers that are averages over the joint groups of which the paper prints errors.
 inline constexpr const char* kPaperJoints = "the paper's joints";
-// Those groups, in a condition.
+// Groups of joints that the paper prints for a condition.
 std::vector<std::string> printed_groups(const std::string& condition);
 
 // Families of methods are compared by way of this method.

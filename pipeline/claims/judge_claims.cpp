@@ -33,7 +33,7 @@ Measurement lacking(std::string what) { return {.missing = std::move(what)}; }
 // The methods of a name: of a family, of "best of FAMILY", or itself.
 std::vector<std::string> methods_named(const ResultsSummary& s, const std::string& name) {
   if (name.starts_with(kBestOf)) return methods_named(s, name.substr(kBestOf.size()));
-  const auto family = std::ranges::find(s.families, name, &MethodFamily::name);
+  const auto family = std::ranges::find(s.families, name, &SensorSetGroup::name);
   if (family != s.families.end()) return family->methods;
   const bool is_there = std::ranges::find(s.methods, name) != s.methods.end();
   return is_there ? std::vector{name} : std::vector<std::string>{};
@@ -74,7 +74,7 @@ Measurement find(const ResultsSummary& s, const ClaimedNumber& claimed) {
   return found;
 }
 
-// What is listed whole has no interval.
+// A list of all has no interval.
 Measurement find(const SweepSummary& s, const ClaimedNumber& claimed) {
   const Number* number = s.numbers.find(claimed.key);
   if (!number)
@@ -161,10 +161,10 @@ JudgedClaim claim_with(const PaperClaim& claim, std::span<const ClaimNumber> num
   return judged;
 }
 
-ClaimChance chance_of(const JudgedClaim& claim) {
-  std::vector<ClaimChance> chances;
-  for (const ClaimNumber& number : claim.numbers) chances.push_back({number.p_holds, number.p_fails});
-  return chance_of_all(chances);
+ClaimPValues p_values_of(const JudgedClaim& claim) {
+  std::vector<ClaimPValues> p_values;
+  for (const ClaimNumber& number : claim.numbers) p_values.push_back({number.p_holds, number.p_fails});
+  return chance_of_all(p_values);
 }
 
 // Why an undecided claim of a share near all could not hold, however good the shares were; empty where it
@@ -194,21 +194,21 @@ std::vector<ClaimNumber> claim_numbers(const CalibrationSummary& summary) { retu
 std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
                                       std::span<const ClaimNumber> numbers) {
   std::vector<JudgedClaim> judged;
-  std::vector<double> chances;
+  std::vector<double> p_values;
   for (const PaperClaim& claim : claims) {
     judged.push_back(claim_with(claim, numbers));
     const bool is_tested = claim.kind == ClaimKind::tested && !judged.back().numbers.empty();
-    chances.push_back(is_tested ? chance_of(judged.back()).decided() : kNaN);
+    p_values.push_back(is_tested ? p_values_of(judged.back()).decided() : kNaN);
   }
-  const std::vector<double> corrected = holm_adjusted(chances);
+  const std::vector<double> corrected = holm_adjusted(p_values);
   for (std::size_t k = 0; k < judged.size(); ++k) {
     if (judged[k].numbers.empty()) continue;
-    const ClaimChance chance = chance_of(judged[k]);
-    const double decided = std::isnan(corrected[k]) ? chance.decided() : corrected[k];
+    const ClaimPValues p_values = p_values_of(judged[k]);
+    const double decided = std::isnan(corrected[k]) ? p_values.decided() : corrected[k];
     judged[k].p = corrected[k];
-    judged[k].verdict = !(decided <= kFalseVerdicts)  ? ClaimVerdict::undecided
-                        : chance.fails < chance.holds ? ClaimVerdict::does_not_hold
-                                                      : ClaimVerdict::holds;
+    judged[k].verdict = !(decided <= kFalseVerdicts)      ? ClaimVerdict::undecided
+                        : p_values.fails < p_values.holds ? ClaimVerdict::does_not_hold
+                                                          : ClaimVerdict::holds;
     if (judged[k].verdict != ClaimVerdict::undecided) continue;
     if (std::string too_few = too_few_clusters(claims[k], judged[k]); !too_few.empty()) {
       judged[k].reason = std::move(too_few);

@@ -15,7 +15,7 @@
 
 namespace trilat {
 
-// The chance of a false verdict among all claims that are tested.
+// Probability of any false verdict among all claims that are tested.
 inline constexpr double kFalseVerdicts = 0.05;
 
 // A study's numbers for the paper's claims and errata.

@@ -58,7 +58,7 @@ int print_plan(const Plan& plan, const Shard& shard, bool json) {
   fmt::print("\n");
   const auto first = std::ranges::find_if(plan.takes, &PlannedTake::ok);
   for (std::size_t m = 0; first != plan.takes.end() && m < plan.methods.size(); ++m)
-    if (const auto status = silence_on(first->world_from_sensor, plan.methods[m]))
+    if (const auto status = status_if_never_solved(first->world_from_sensor, plan.methods[m]))
       fmt::print("note: {} answers nothing on this rig ({}){}\n", plan.methods[m].spec.name, name_of(*status),
                  m == plan.reference ? ": the others are compared with the first that answers" : "");
   for (std::size_t i = 0; i < plan.takes.size(); ++i) {
@@ -149,15 +149,15 @@ OpenedStudy open_accuracy(const RunArguments& arguments, const Json& json) {
   return {.run = [study = AccuracyStudy{spec, campaign, arguments.cross_check}, output = arguments.output](
                      const StudyOptions& options) { return run_accuracy(study, output, options); },
           .print_plan =
-              [=](const Shard& shard, bool as_json, const Watch& watch) {
-                return print_plan(make_plan(spec, campaign, watch), shard, as_json);
+              [=](const Shard& shard, bool as_json, const RunControl& control) {
+                return print_plan(make_plan(spec, campaign, control), shard, as_json);
               },
           .inputs = inputs_of(campaign),
           .campaign = campaign,
-          .print_failed = [](const ItemTally& tally) { print_notes(notes_of(tally)); }};
+          .print_failed = [](const ItemCounts& tally) { print_notes(notes_of(tally)); }};
 }
 
-int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown) {
+int print_accuracy(const std::filesystem::path& results, Json document, const PrintOptions& shown) {
   const ResultsSummary summary = read_results<ResultsSummary>(results);
   print_notes(summary.notes);
   print_cross_check(summary);

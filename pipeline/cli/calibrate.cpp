@@ -144,10 +144,10 @@ void print_calibration(const Calibration& calibration, const std::vector<SensorE
   fmt::print("{}\n", json_text(document, 2));
 }
 
-CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const Watch& watch) {
+CalibrateWandOptions wand_options(const CalibrateArguments& arguments, const RunControl& control) {
   CalibrateWandOptions options;
   if (arguments.ball_radius_m) options.search.find.ball_radius_m = *arguments.ball_radius_m;
-  options.search.watch = watch;
+  options.search.control = control;
   options.depth_correction = !arguments.no_depth_correction;
   options.baseline_m = arguments.baseline_m;
   if (arguments.movement_sigma_m) options.movement_sigma_m = *arguments.movement_sigma_m;
@@ -215,9 +215,9 @@ Calibrated calibrate_by(const CalibrateArguments& arguments) {
     for (std::string& note : result.notes) note = arguments.sessions[0].string() + ": " + note;
     return {std::move(result.calibration), {}, {}, std::move(result.notes)};
   }
-  const Watch watch{stop_requested, [&](double share) { progress.set(share); }};
+  const RunControl control{stop_requested, [&](double share) { progress.set(share); }};
   WandCalibration result =
-      calibrate_wand(arguments.sessions, wand_options(arguments, watch), wand_method(arguments));
+      calibrate_wand(arguments.sessions, wand_options(arguments, control), wand_method(arguments));
   return {std::move(result.calibration), std::move(result.views.evidence)};
 }
 

@@ -70,7 +70,7 @@ bool is_inside(const fs::path& folder, const fs::path& path) {
 }
 
 // Refuses an output that is an input; a former output of the verb may lie among its inputs.
-void refuse_inputs(const PlannedOutput& output, bool is_own) {
+void refuse_inputs(const OutputRequest& output, bool is_own) {
   const auto refuse = [&](const std::string& why) {
     throw InputError(output.path.string(), why + "; an output is never an input, whatever is forced");
   };
@@ -100,7 +100,7 @@ bool holds_nothing_else(const fs::path& folder) {
 
 }  // namespace
 
-void check_output_folder(const PlannedOutput& output, const OutputMark& mark) {
+void check_output_folder(const OutputRequest& output, const OutputMark& mark) {
   const bool is_there = fs::exists(fs::symlink_status(output.path)),
              is_folder = fs::is_directory(output.path);
   const bool is_empty = is_folder && holds_nothing_else(output.path);
@@ -124,7 +124,7 @@ void mark_output(const fs::path& folder, const OutputMark& mark) {
   if (json != before) write_file(folder / "run.json", json.dump(1) + "\n");
 }
 
-void check_output_file(const PlannedOutput& output, bool is_own) {
+void check_output_file(const OutputRequest& output, bool is_own) {
   refuse_inputs(output, is_own);
   check_output_file(output.path);
   if (!fs::exists(fs::symlink_status(output.path)) || is_own) return;

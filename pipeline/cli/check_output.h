@@ -10,7 +10,7 @@
 namespace trilat {
 
 // An output that a verb is about to write.
-struct PlannedOutput {
+struct OutputRequest {
   std::filesystem::path path;
   std::vector<std::filesystem::path> inputs;  // files and folders that the verb reads; empty ones are none
   bool force = false;                         // what else lies there may be replaced
@@ -31,12 +31,12 @@ struct OutputMark {
 // The rule for outputs, asked before anything is written: a folder has to be absent, empty, or marked as of
 // the same verb, of a common name and of the same campaign, unless `force`. InputError else; where it is an
 // input, a link to one, in one or around one, whatever is forced; and where it cannot be written at all.
-void check_output_folder(const PlannedOutput& output, const OutputMark& mark);
+void check_output_folder(const OutputRequest& output, const OutputMark& mark);
 // Marks the folder, which is made where there is none.
 void mark_output(const std::filesystem::path& folder, const OutputMark& mark);
 
-// The same of a file, which has to be absent, unless `force` or the verb knows it as its own.
-void check_output_file(const PlannedOutput& output, bool is_own = false);
+// Checks an output file, which has to be absent, unless `force` or the verb knows it as its own.
+void check_output_file(const OutputRequest& output, bool is_own = false);
 
 // Whether a file is not there, is empty, or begins with a text that has `part`.
 bool begins_with(const std::filesystem::path& file, const std::string& part);

@@ -31,7 +31,7 @@ struct CompareArguments {
 
 Campaign campaign_of(const CompareArguments& a) {
   Take take;
-  take.id = usable_id(a.truth.stem().string());
+  take.id = file_name_from(a.truth.stem().string());
   take.participant = "one";
   take.activity = take.id;
   take.mocap = a.truth;

@@ -171,7 +171,7 @@ int draw(const DrawArguments& a) {
 void add_draw(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<DrawArguments>(app, code, "draw",
                                            "one depth frame as a picture, with bodies and the wand's ball",
-                                           draw, Ends::at_once);
+                                           draw, OnInterrupt::at_once);
   verb.add_option("session", a.session, "session.h5 with depth")->required();
   verb.add_option("--sensor", a.sensor, "whose frame")->required();
   verb.add_option("--frame", a.frame, "which depth frame, from 0")->capture_default_str();

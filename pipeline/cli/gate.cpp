@@ -37,7 +37,8 @@ int accept(const GateArguments& arguments, const std::string& time) {
   if (!arguments.history.empty()) lock.emplace(arguments.history);
   // read first: a history that cannot be read must not be found out behind a new baseline
   if (!arguments.history.empty()) read_history(arguments.history);
-  const std::vector<std::string> left_behind = studies_left_behind(arguments.results, arguments.baseline);
+  const std::vector<std::string> left_behind =
+      studies_only_in_baseline(arguments.results, arguments.baseline);
   const AcceptedBaseline accepted =
       accept_results(arguments.results, arguments.baseline, *arguments.accept_reason, time);
   if (!arguments.history.empty()) {
@@ -49,7 +50,7 @@ int accept(const GateArguments& arguments, const std::string& time) {
   }
   if (arguments.json) {
     fmt::print("{}\n", json_text({{"format", "trilat.gate"},
-                                  {"version", 2},
+                                  {"version", 3},
                                   {"time", time},
                                   {"verdict", "accepted"},
                                   {"baseline", arguments.baseline.string()},
@@ -110,7 +111,7 @@ int compare(const GateArguments& arguments, const std::string& time) {
   if (arguments.json)
     fmt::print("{}\n", json_text(gate_json(report), 1));
   else
-    fmt::print("{}", morning_text(report));
+    fmt::print("{}", gate_summary(report));
   return exit_code_of(report.verdict());
 }
 

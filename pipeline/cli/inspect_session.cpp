@@ -121,7 +121,7 @@ bool may_be_session(const std::filesystem::path& path) {
   return begin == "\x89HDF";
 }
 
-// What a log holds so far.
+// Prints what a log holds so far.
 int info_of_log(const std::filesystem::path& path, bool json) {
   const bool runs = is_being_written(path);
   std::vector<std::array<std::uint64_t, 3>> counts(
@@ -261,14 +261,14 @@ int verify(const VerifyArguments& arguments) {
 void add_info(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<InfoArguments>(
       app, code, "info", "what is in a session or in motion capture: sensors or assets, rates, gaps", info,
-      Ends::at_once);
+      OnInterrupt::at_once);
   verb.add_option("file", a.file, "session.h5, or a CSV of Motive, or a TRC")->required();
   add_json(verb, a.json);
 }
 
 void add_verify(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<VerifyArguments>(
-      app, code, "verify", "read everything in a session and say what is odd", verify, Ends::at_once);
+      app, code, "verify", "read everything in a session and say what is odd", verify, OnInterrupt::at_once);
   verb.add_option("session", a.session, "session.h5")->required();
   verb.add_flag("--skip-depth", a.skip_depth, "do not decompress the depth frames");
   add_json(verb, a.json);

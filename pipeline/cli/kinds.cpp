@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::function<int(const Shard&, bool, const Watch&)> prints(Json plan, std::string text) {
-  return [plan = std::move(plan), text = std::move(text)](const Shard&, bool json, const Watch&) {
+std::function<int(const Shard&, bool, const RunControl&)> prints(Json plan, std::string text) {
+  return [plan = std::move(plan), text = std::move(text)](const Shard&, bool json, const RunControl&) {
     fmt::print("{}\n", json ? json_text(plan, 2) : text);
     return int{kDone};
   };
@@ -73,8 +73,8 @@ OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
 template <class Spec>
 OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, const Campaign& campaign,
                             std::size_t items,
-                            ItemTally (*run)(const Spec&, const Campaign&, const fs::path&,
-                                             const StudyOptions&)) {
+                            ItemCounts (*run)(const Spec&, const Campaign&, const fs::path&,
+                                              const StudyOptions&)) {
   return {.run = [=, output = arguments.output](
                      const StudyOptions& options) { return run(spec, campaign, output, options); },
           .print_plan = prints({{"study", json_of(spec)}, {"campaign", campaign.name}, {"items", items}},
@@ -99,14 +99,14 @@ OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
     campaign.wand = {.session = campaign.takes.front().session};
   OpenedStudy opened =
       open_recordings(arguments, spec, campaign, calibration_recordings(spec, campaign), run_calibration);
-  opened.print_failed = [](const ItemTally& tally) {
+  opened.print_failed = [](const ItemCounts& tally) {
     for (const auto& [id, outcome] : tally.failed)
       fmt::print(stderr, "failed: {}: {}\n", id, outcome.at("problem").get<std::string>());
   };
   return opened;
 }
 
-int print_tables(const std::filesystem::path& results, Json document, const Shown& shown) {
+int print_tables(const std::filesystem::path& results, Json document, const PrintOptions& shown) {
   if (shown.json) {
     document.update(
         Json{{"results", results.string()}, {"simulated", read_results_json(results).at("simulated")}});
@@ -119,7 +119,7 @@ int print_tables(const std::filesystem::path& results, Json document, const Show
 }
 
 // Names the recordings that could not be evaluated, on stderr.
-int print_calibration(const fs::path& results, Json document, const Shown& shown) {
+int print_calibration(const fs::path& results, Json document, const PrintOptions& shown) {
   const auto failed = read_results<CalibrationSummary>(results).failed;
   for (const std::string& text : failed) fmt::print(stderr, "failed: {}\n", text);
   print_tables(results, std::move(document), shown);

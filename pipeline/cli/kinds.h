@@ -38,16 +38,16 @@ struct RunArguments {
 
 // A study that was read, as `trilat run` needs it.
 struct OpenedStudy {
-  std::function<ItemTally(const StudyOptions& options)> run;  // into the output, on the caller's threads
+  std::function<ItemCounts(const StudyOptions& options)> run;  // into the output, on the caller's threads
   // Says what would be computed, on stdout, and gives the exit code.
-  std::function<int(const Shard& shard, bool json, const Watch& watch)> print_plan;
-  std::vector<std::filesystem::path> inputs = {};           // that it reads beside what the arguments name
-  std::optional<Campaign> campaign = {};                    // whose takes it evaluates
-  std::function<void(const ItemTally&)> print_failed = {};  // why, on stderr, where items may fail
+  std::function<int(const Shard& shard, bool json, const RunControl& control)> print_plan;
+  std::vector<std::filesystem::path> inputs = {};            // that it reads beside what the arguments name
+  std::optional<Campaign> campaign = {};                     // whose takes it evaluates
+  std::function<void(const ItemCounts&)> print_failed = {};  // why, on stderr, where items may fail
 };
 
 // How results are said.
-struct Shown {
+struct PrintOptions {
   bool json = false;
   bool tables = false;  // all of them, however long
 };
@@ -59,7 +59,7 @@ struct Kind {
   std::string no_campaign;  // why a campaign is of no use; empty: it needs one
   OpenedStudy (*open)(const RunArguments& arguments, const Json& study);
   // Says what the results are, on stdout, and gives the exit code. `document`: what --json says besides.
-  int (*print)(const std::filesystem::path& results, Json document, const Shown& shown);
+  int (*print)(const std::filesystem::path& results, Json document, const PrintOptions& shown);
   Json (*schema)();  // JSON Schema of its study.json
 };
 
@@ -82,6 +82,6 @@ std::vector<std::filesystem::path> files_below(const std::filesystem::path& fold
 std::vector<std::filesystem::path> inputs_of(const Campaign& campaign);
 
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
-int print_accuracy(const std::filesystem::path& results, Json document, const Shown& shown);
+int print_accuracy(const std::filesystem::path& results, Json document, const PrintOptions& shown);
 
 }  // namespace trilat

@@ -21,12 +21,12 @@ void print_sentence(std::string sentence) {
 }  // namespace
 
 void print_stored(const std::filesystem::path& results, bool all) {
-  const std::optional<StoredTables> stored = read_beside<StoredTables>(results);
+  const std::optional<StoredTables> stored = read_json_file<StoredTables>(results);
   if (!stored) throw InputError(results.string(), "has no tables.json; run the study again");
   print_sentence(stored->title + ": " + stored->about);
   for (const Table& table : stored->tables) {
-    const bool is_first = table.shown == Table::Shown::first;
-    if (all && table.shown != Table::Shown::file) fmt::print("\n{}", markdown_of(table));
+    const bool is_first = table.shown == Table::Placement::first;
+    if (all && table.shown != Table::Placement::file) fmt::print("\n{}", markdown_of(table));
     if (!all && is_first && !table.rows.empty()) fmt::print("\n{}", terminal_text(table, kWidest));
   }
   fmt::print("\n");

@@ -190,7 +190,7 @@ void print_summary(const CaptureSummary& summary, const std::filesystem::path& f
   if (summary.end == CaptureEnd::disk_full) fmt::print("ended because the disk is nearly full\n");
 }
 
-// Where agents connect: this user's socket, which `trilat receive` leads to, or a port of this machine.
+// Listener for agents: this user's socket, which `trilat receive` leads to, or a port of this machine.
 std::unique_ptr<StreamListener> listener_of(const RecordArguments& arguments, LiveDisplay& display) {
   auto listener = arguments.listen.empty()
                       ? std::make_unique<StreamListener>(receive_sockets().front())
@@ -217,7 +217,7 @@ std::string room_for(const std::filesystem::path& output) {
       1e-9 * static_cast<double>(free), 0.5e-6 * static_cast<double>(free) / kFourKinects_MB_min);
 }
 
-// Mark of the truth of this session, or of a recording that never began.
+// Output mark of the folder of --truth, of this session or of a recording that never began.
 OutputMark truth_mark(const RecordArguments& arguments) {
   return {"record",
           {std::filesystem::weakly_canonical(std::filesystem::absolute(arguments.output)).string()}};
@@ -350,7 +350,7 @@ void add_receive(CLI::App& app, int& code) {
   add_verb<ReceiveArguments>(
       app, code, "receive",
       "carry an agent's bytes, on standard input and output, to the recorder of this user; for SSH", receive,
-      Ends::at_once);
+      OnInterrupt::at_once);
 }
 
 }  // namespace trilat

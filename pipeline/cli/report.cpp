@@ -110,7 +110,7 @@ int report(const ReportArguments& arguments) {
 void add_report(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<ReportArguments>(
       app, code, "report", "results to a page, Markdown, CSV and LaTeX; nothing is computed again", report,
-      Ends::at_once);
+      OnInterrupt::at_once);
   verb.add_option("results", a.results, "results folders, or a folder of them");
   verb.add_option("-o,--output", a.output, "folder of the report");
   verb.add_option("--time", a.time, "the time stamp of the page, any text; without it the time of the day");

@@ -16,7 +16,7 @@
 namespace trilat {
 namespace {
 
-void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
+void refuse_unused_options(const Kind& kind, const RunArguments& arguments) {
   if (!kind.no_campaign.empty() && (!arguments.campaign.empty() || !arguments.calibration.empty()))
     throw InputError(arguments.campaign.empty() ? "--calibration" : "--campaign",
                      "is of no use: " + kind.no_campaign);
@@ -26,8 +26,8 @@ void refuse_what_is_of_no_use(const Kind& kind, const RunArguments& arguments) {
       throw InputError(option, "is for studies of kind accuracy");
 }
 
-ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard,
-                       const OutputMark& mark) {
+ItemCounts plan_and_run(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard,
+                        const OutputMark& mark) {
   StageProgressBars progress;
   const StudyOptions options{
       .stop_requested = stop_requested,
@@ -35,14 +35,14 @@ ItemTally plan_and_run(const OpenedStudy& opened, const RunArguments& arguments,
       .shard = shard,
       .fresh = arguments.fresh,
       .mark = [&] { mark_output(arguments.output, mark); }};
-  ItemTally tally;
+  ItemCounts tally;
   on_threads(arguments.threads, [&](int) { tally = opened.run(options); });
   return tally;
 }
 
-// Says what became of a shard, and gives the exit code.
+// Prints the shard's item counts; returns the exit code.
 int print_shard(const OpenedStudy& opened, const RunArguments& arguments, const Shard& shard,
-                const ItemTally& tally) {
+                const ItemCounts& tally) {
   if (opened.print_failed) opened.print_failed(tally);
   Json document{{"results", arguments.output.string()}, {"shard", name_of(shard)}};
   document.update(tally_json(tally));
@@ -89,19 +89,19 @@ int run(const RunArguments& arguments) {
   const Json json = read_study(arguments.study);
   const Shard shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard, "--shard");
   const Kind& kind = *find_kind(name_of(study_kind(json, arguments.study.string())));
-  refuse_what_is_of_no_use(kind, arguments);
+  refuse_unused_options(kind, arguments);
   const OpenedStudy opened = kind.open(arguments, json);
   if (arguments.dry_run) return opened.print_plan(shard, arguments.json, {stop_requested, {}});
   const OutputMark mark = mark_of(opened, json.value("name", ""));
   check_run_output(arguments, opened, mark);
-  ItemTally tally;
+  ItemCounts tally;
   try {
     tally = plan_and_run(opened, arguments, shard, mark);
   } catch (const Interrupted&) {
     tell_interrupted(arguments.output);
     return kInterrupted;
   }
-  tell_tally(kind.items, tally);
+  print_item_counts(kind.items, tally);
   if (!shard.whole()) return print_shard(opened, arguments, shard, tally);
   return kind.print(arguments.output, tally_json(tally), {arguments.json, arguments.tables});
 }

@@ -22,7 +22,7 @@ std::string some_of(const std::vector<std::string>& ids) {
 
 }  // namespace
 
-Json tally_json(const ItemTally& tally) {
+Json tally_json(const ItemCounts& tally) {
   return {{"items", tally.all()},
           {"items_computed", tally.computed.size()},
           {"items_found", tally.found.size()},
@@ -30,7 +30,7 @@ Json tally_json(const ItemTally& tally) {
           {"unchanged", tally.unchanged}};
 }
 
-void tell_tally(const std::string& items, const ItemTally& tally) {
+void print_item_counts(const std::string& items, const ItemCounts& tally) {
   if (tally.unchanged) {
     fmt::print(stderr, "nothing changed: the results are there already\n");
     return;

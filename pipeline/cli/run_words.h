@@ -10,11 +10,11 @@
 namespace trilat {
 
 // items, items_computed, items_found, items_failed, unchanged.
-Json tally_json(const ItemTally& tally);
+Json tally_json(const ItemCounts& tally);
 
 // On stderr, what was not computed and what had to be computed again, when there was such; `items`: what they
 // are called.
-void tell_tally(const std::string& items, const ItemTally& tally);
+void print_item_counts(const std::string& items, const ItemCounts& tally);
 
 // On stderr, what a run that was stopped has left where.
 void tell_interrupted(const std::filesystem::path& folder);

@@ -85,7 +85,7 @@ void add_schema(CLI::App& app, int& code) {
   auto [verb, a] = add_verb<SchemaArguments>(
       app, code, "schema",
       "JSON Schema of a document that users write, for editors that complete and check it", schema,
-      Ends::at_once);
+      OnInterrupt::at_once);
   verb.add_option("document", a.document, "study, simulation, campaign, mapping or calibration");
   verb.add_flag("--markdown", a.markdown, "the keys of all documents as tables");
 }

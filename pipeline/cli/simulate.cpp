@@ -67,7 +67,7 @@ void print_campaign(const std::filesystem::path& folder, const SimulationSpec& s
 }
 
 // Simulates what the arguments' documents say, as long as they stay as they are.
-ItemTally record(const SimulateArguments& arguments, Progress& progress) {
+ItemCounts record(const SimulateArguments& arguments, Progress& progress) {
   WatchedFiles inputs({arguments.spec});
   const SimulationSpec spec = read_simulation(arguments.spec);
   std::string sha256;
@@ -85,7 +85,7 @@ int simulate(const SimulateArguments& arguments) {
   const OutputMark mark{"simulate", {spec.name}};
   check_output_folder({arguments.output, files_of(arguments, spec), arguments.force}, mark);
   mark_output(arguments.output, mark);
-  ItemTally tally;
+  ItemCounts tally;
   {
     Progress progress("simulating");
     try {
@@ -95,7 +95,7 @@ int simulate(const SimulateArguments& arguments) {
       return kInterrupted;
     }
   }
-  tell_tally("recordings", tally);
+  print_item_counts("recordings", tally);
   print_campaign(arguments.output, spec, arguments.json);
   return kDone;
 }

@@ -111,7 +111,7 @@ int run_verb(int argc, char** argv, const std::string& version) {
 
 bool stop_requested() { return stop_signals.load(std::memory_order_relaxed) > 0; }
 
-void end_in_order() {
+void stop_on_interrupt() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGHUP, on_signal);  // a terminal that is closed

@@ -27,10 +27,10 @@ int run_verb(int argc, char** argv, const std::string& version);
 // True once the process has been asked to end (Ctrl-C, SIGTERM). Long work asks between items.
 bool stop_requested();
 // From now on Ctrl-C asks; without, the program just ends.
-void end_in_order();
+void stop_on_interrupt();
 
 // Effect of Ctrl-C on a verb: one that leaves something behind ends in order.
-enum class Ends { in_order, at_once };
+enum class OnInterrupt { in_order, at_once };
 
 // A verb, to which options are added, and the arguments that they fill in.
 template <class Arguments>
@@ -43,11 +43,11 @@ struct Verb {
 // gets what `work` returns.
 template <class Arguments>
 Verb<Arguments> add_verb(CLI::App& app, int& code, const std::string& name, const std::string& what,
-                         int (*work)(const Arguments&), Ends ends = Ends::in_order) {
+                         int (*work)(const Arguments&), OnInterrupt ends = OnInterrupt::in_order) {
   CLI::App* verb = app.add_subcommand(name, what);
   const auto arguments = std::make_shared<Arguments>();
   verb->callback([=, &code] {
-    if (ends == Ends::in_order) end_in_order();
+    if (ends == OnInterrupt::in_order) stop_on_interrupt();
     code = work(*arguments);
   });
   return {*verb, *arguments};

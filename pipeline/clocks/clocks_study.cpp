@@ -25,15 +25,16 @@ namespace fs = std::filesystem;
 
 constexpr const char* kItem = "clocks/all";
 constexpr double kSigmas = 4.0;
-// Those that say when a frame was sent; the sensor's ticks say when it was exposed.
+// Methods that say when a frame was sent; the last, by the sensor's ticks, says when it was exposed.
 constexpr auto kQueueMethods = static_cast<std::size_t>(ClockMethod::ticks);
 
 // Moments at which the server takes frames out of its queues; a server's own frame is as long as the limit.
-struct ServerWay {
+struct DequeueRule {
   const char* name;
   bool in_frames;
 };
-constexpr std::array<ServerWay, 2> kServerWays{{{"as they come", false}, {"once a frame of its own", true}}};
+constexpr std::array<DequeueRule, 2> kDequeueRules{
+    {{"as they come", false}, {"once a frame of its own", true}}};
 
 struct Recording {
   std::string take;
@@ -65,10 +66,10 @@ std::vector<Recording> recordings_of(const Campaign& campaign) {
 }
 
 // One sensor's clock in one recording, and what each method makes of its frames.
-struct TrialErrors {
+struct ClockTrialErrors {
   std::string take, sensor;
   std::vector<std::vector<double>> by_method_s;
-  std::vector<std::array<QueueCounts, kServerWays.size()>> queues;  // by method
+  std::vector<std::array<QueueCounts, kDequeueRules.size()>> queues;  // by method
   Numbers machine;
   NumberKey with_unit(const NumberKey& key) const { return key.with({.group = sensor, .take = take}); }
 };
@@ -79,7 +80,7 @@ std::uint64_t count_below(std::span<const double> errors_s, double limit_s) {
 }
 
 // How the offline fit states the clock, and how long frames take from their exposure to the recorder.
-Numbers machine_numbers(const ClockTrial& trial, const TrialErrors& errors, double late_s) {
+Numbers machine_numbers(const ClockTrial& trial, const ClockTrialErrors& errors, double late_s) {
   const AgentClock& clock = trial.clock.agent;
   const std::size_t frames = trial.frames.size();
   Numbers numbers;
@@ -109,8 +110,8 @@ Numbers machine_numbers(const ClockTrial& trial, const TrialErrors& errors, doub
   return numbers;
 }
 
-TrialErrors measure_trial(const ClockTrial& trial, std::string take, std::string sensor, double late_s) {
-  TrialErrors errors{std::move(take), std::move(sensor), {}, {}, {}};
+ClockTrialErrors measure_trial(const ClockTrial& trial, std::string take, std::string sensor, double late_s) {
+  ClockTrialErrors errors{std::move(take), std::move(sensor), {}, {}, {}};
   for (std::size_t m = 0; m < clock_method_names().size(); ++m)
     errors.by_method_s.push_back(clock_errors_s(trial, static_cast<ClockMethod>(m)));
   for (std::size_t m = 0; m < kQueueMethods; ++m) {
@@ -118,7 +119,7 @@ TrialErrors measure_trial(const ClockTrial& trial, std::string take, std::string
     for (std::size_t w = 0; w < counts.size(); ++w)
       counts[w] =
           run_queue(trial.frames, errors.by_method_s[m],
-                    {duration_from_s(late_s), duration_from_s(kServerWays[w].in_frames ? late_s : 0.0)});
+                    {duration_from_s(late_s), duration_from_s(kDequeueRules[w].in_frames ? late_s : 0.0)});
   }
   errors.machine = machine_numbers(trial, errors, late_s);
   return errors;
@@ -132,13 +133,13 @@ void add_share(const NumberKey& key, const std::vector<double>& part, const std:
 }
 
 // The queue's frames by one method and one way of the server; nothing where no frame has a time.
-void add_queue(std::size_t method, std::size_t way, const std::vector<TrialErrors>& trials,
+void add_queue(std::size_t method, std::size_t way, const std::vector<ClockTrialErrors>& trials,
                Numbers& numbers) {
   const NumberKey key{
-      .condition = kServerWays[way].name, .method = clock_method_names()[method], .measure = "queue"};
+      .condition = kDequeueRules[way].name, .method = clock_method_names()[method], .measure = "queue"};
   QueueCounts all;
   std::vector<double> taken, came;
-  for (const TrialErrors& trial : trials) {
+  for (const ClockTrialErrors& trial : trials) {
     const QueueCounts& counts = trial.queues[method][way];
     all.came += counts.came;
     all.untimed += counts.untimed;
@@ -149,7 +150,7 @@ void add_queue(std::size_t method, std::size_t way, const std::vector<TrialError
     came.push_back(static_cast<double>(counts.came));
   }
   if (all.untimed == all.came) return;
-  for (const TrialErrors& trial : trials) {
+  for (const ClockTrialErrors& trial : trials) {
     const QueueCounts& counts = trial.queues[method][way];
     numbers.add({trial.with_unit(key.with({.statistic = "taken"})), share_of(counts.taken, counts.came), kNaN,
                  kNaN, counts.came});
@@ -167,15 +168,15 @@ struct SensorOf {
   std::size_t recording, sensor;
 };
 
-struct Opened {
+struct ReadColumn {
   std::vector<std::optional<SessionReader>> sessions;  // none where it cannot be read
   std::vector<SensorOf> sensors;
   std::vector<std::string> failed;
   bool simulated = false;
 };
 
-Opened open_all(const std::vector<Recording>& recordings) {
-  Opened opened;
+ReadColumn open_all(const std::vector<Recording>& recordings) {
+  ReadColumn opened;
   opened.sessions.resize(recordings.size());
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     try {
@@ -189,14 +190,14 @@ Opened open_all(const std::vector<Recording>& recordings) {
   return opened;
 }
 
-ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Watch& watch) {
+ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const RunControl& control) {
   const std::vector<Recording> recordings = recordings_of(campaign);
-  Opened opened = open_all(recordings);
-  std::vector<std::optional<TrialErrors>> found(opened.sensors.size());
+  ReadColumn opened = open_all(recordings);
+  std::vector<std::optional<ClockTrialErrors>> found(opened.sensors.size());
   std::vector<std::string> problems(opened.sensors.size());
   std::atomic<std::size_t> done{0};
   parallel_for_index(opened.sensors.size(), 1, [&](std::size_t k) {
-    watch.check();
+    control.check();
     const auto [recording, sensor] = opened.sensors[k];
     const SessionReader& session = *opened.sessions[recording];
     try {
@@ -206,10 +207,10 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
       problems[k] =
           recordings[recording].take + ", " + session.header().sensors[sensor].name + ": " + error.problem();
     }
-    watch.tell(static_cast<double>(++done) / static_cast<double>(found.size()));
+    control.report(static_cast<double>(++done) / static_cast<double>(found.size()));
   });
   ClocksSummary summary;
-  std::vector<TrialErrors> trials;
+  std::vector<ClockTrialErrors> trials;
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (found[k])
       trials.push_back(std::move(*found[k]));
@@ -226,20 +227,21 @@ ClocksSummary measure(const ClocksSpec& spec, const Campaign& campaign, const Wa
   summary.failed = std::move(opened.failed);
   for (std::size_t m = 0; m < clock_method_names().size(); ++m) {
     std::vector<UnitErrors> units;
-    for (const TrialErrors& trial : trials) units.push_back({trial.take, trial.sensor, trial.by_method_s[m]});
+    for (const ClockTrialErrors& trial : trials)
+      units.push_back({trial.take, trial.sensor, trial.by_method_s[m]});
     add_clock_errors(clock_method_names()[m], units, summary.numbers);
   }
   for (std::size_t m = 0; m < kQueueMethods; ++m)
-    for (std::size_t way = 0; way < kServerWays.size(); ++way) add_queue(m, way, trials, summary.numbers);
-  for (const TrialErrors& trial : trials) summary.numbers.add(trial.machine);
+    for (std::size_t way = 0; way < kDequeueRules.size(); ++way) add_queue(m, way, trials, summary.numbers);
+  for (const ClockTrialErrors& trial : trials) summary.numbers.add(trial.machine);
   summary.rows = summary.numbers.all().size();
   return summary;
 }
 
 }  // namespace
 
-ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs::path& folder,
-                     const StudyOptions& options) {
+ItemCounts run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs::path& folder,
+                      const StudyOptions& options) {
   std::vector<fs::path> files;
   std::vector<RecordingFile> inputs;
   for (const Recording& recording : recordings_of(campaign)) {
@@ -251,10 +253,10 @@ ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs:
   HashCache hashes;
   hashes.load(folder);
   ResultsRun run(folder, {{kItem, 1.0}}, options);
-  run.find_keys([&](std::size_t, const Watch& watch) {
+  run.find_keys([&](std::size_t, const RunControl& control) {
     return key_of({{"study", resolved},
                    {"simulated", campaign.simulated},
-                   {"inputs", hashed_inputs(inputs, hashes, watch.stop_requested)}});
+                   {"inputs", hashed_inputs(inputs, hashes, control.stop_requested)}});
   });
   const Json manifest = manifest_of(resolved, {{"campaign", campaign.name},
                                                {"simulated", campaign.simulated},
@@ -262,22 +264,22 @@ ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs:
   if (run.is_finished(manifest)) return run.tally();
   run.begin(manifest);
   if (run.is_whole()) hashes.save(folder);
-  run.compute([&](std::size_t, const fs::path& into, const Watch& watch) {
-    const ClocksSummary summary = measure(spec, campaign, watch);
+  run.compute([&](std::size_t, const fs::path& into, const RunControl& control) {
+    const ClocksSummary summary = measure(spec, campaign, control);
     watched.check();
     write_numbers(into, summary.numbers);
     return json_of(summary);
   });
   if (run.is_whole())
     run.publish_results(manifest, [&](const fs::path& into) {
-      const Outcome& outcome = run.outcome(0);
+      const ItemResult& outcome = run.outcome(0);
       auto summary = read_as<ClocksSummary>(outcome.json, outcome.place());
       summary.numbers = read_numbers(outcome.folder, summary.rows);
       summary.campaign = campaign.name;  // which is not in the item's key
-      const std::vector<DeclaredParameter> simulator = read_declared_parameters(campaign.folder);
+      const std::vector<SimulationAssumption> simulator = read_declared_parameters(campaign.folder);
       if (!simulator.empty()) write_declared_parameters(into, simulator);
       store_tables(into, clocks_tables(summary));
-      write_beside(into, StoredFigures{});
+      write_json_file(into, StoredFigures{});
       write_results(into, summary);
     });
   return run.tally();

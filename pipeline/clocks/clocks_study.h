@@ -34,8 +34,8 @@ struct ClocksSpec : RecordingsStudy {
 // Evaluates all recordings of the campaign, its wand's too, on the threads of the current arena. summary.json
 // is a ClocksSummary. A sensor without clock exchanges is left out and named; InputError where none has any;
 // throws Interrupted.
-ItemTally run_clocks(const ClocksSpec& spec, const Campaign& campaign, const std::filesystem::path& folder,
-                     const StudyOptions& options);
+ItemCounts run_clocks(const ClocksSpec& spec, const Campaign& campaign, const std::filesystem::path& folder,
+                      const StudyOptions& options);
 
 // The errors of one sensor's frames in one recording by one way to give them their times, in seconds; NaN
 // where it has no answer.

@@ -11,7 +11,7 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kThePapers = "the paper's";
+constexpr const char* kPaperRow = "the paper's";
 constexpr double kMsPerS = 1e3;
 constexpr const char* kCausal = "corrected, causal";
 
@@ -69,7 +69,7 @@ Table queue_table(const ClocksSummary& s) {
                                {"too late", "too_late", count_of(s.numbers, share("too_late"))},
                                {"taken (%)", "taken_percent", interval_of(s.numbers, share("taken"))}});
   const PrintedTable4 paper = printed_table4();
-  const TableValue papers = TableValue::of(kThePapers);
+  const TableValue papers = TableValue::of(kPaperRow);
   table.rows.insert(
       table.rows.begin(),
       row_by_key(table, {{"method", papers},
@@ -110,7 +110,7 @@ Table errors_table(const ClocksSummary& s) {
   const auto printed = printed_counts(&PrintedTable4::Row::clock_samples);
   const std::uint64_t total = std::accumulate(printed.begin(), printed.end(), std::uint64_t{0});
   std::vector<TableValue> papers =
-      row_by_key(table, {{"method", TableValue::of(kThePapers)},
+      row_by_key(table, {{"method", TableValue::of(kPaperRow)},
                          {"samples", count_cell(total)},
                          {"below_4ms_percent", share_cell(printed[0] + printed[1], total)}});
   for (std::size_t r = 0; r < printed.size(); ++r) papers.at(2 + r) = share_cell(printed[r], total);
@@ -217,7 +217,7 @@ StoredTables clocks_tables(const ClocksSummary& summary) {
   shown.tables = {errors_table(summary), queue_table(summary), machines_table(summary), processing_table()};
   for (Table& table : shown.tables)
     if (table.id != "machines") table.printed = "table4";
-  for (std::size_t t = 0; t < 2; ++t) shown.tables[t].shown = Table::Shown::first;
+  for (std::size_t t = 0; t < 2; ++t) shown.tables[t].shown = Table::Placement::first;
   return shown;
 }
 

@@ -24,7 +24,7 @@ AlignmentRow row_of(std::uint32_t a, std::uint32_t m, std::uint32_t j, const Joi
 
 }  // namespace
 
-ColumnAlignments::ColumnAlignments(const Windows& windows, const TakeHead& head, const SampleMarks& marks,
+ColumnAlignments::ColumnAlignments(const Windows& windows, const TakeHead& head, const SampleFlags& marks,
                                    const ErrorSettings& settings, std::span<const SampleColumn> columns)
     : marks_(marks),
       joints_(head.joints.size()),

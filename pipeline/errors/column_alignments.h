@@ -39,7 +39,7 @@ struct SampleColumn {
 class ColumnAlignments {
  public:
   // Reads the samples once where an alignment learns anything.
-  ColumnAlignments(const Windows& windows, const TakeHead& head, const SampleMarks& marks,
+  ColumnAlignments(const Windows& windows, const TakeHead& head, const SampleFlags& marks,
                    const ErrorSettings& settings, std::span<const SampleColumn> columns);
 
   const JointAlignment& of(std::size_t alignment, std::size_t column, std::size_t joint) const {
@@ -56,7 +56,7 @@ class ColumnAlignments {
   void learn(const Window& w, std::size_t j, const SampleColumn& column, AlignedSums& sums) const;
   void solve(AlignmentKind kind, std::span<const AlignedSums> of_joints);
 
-  const SampleMarks& marks_;
+  const SampleFlags& marks_;
   std::size_t joints_, columns_;
   std::uint64_t training_end_;
   bool turns_;                          // an alignment has a rotation

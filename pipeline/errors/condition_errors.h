@@ -113,7 +113,7 @@ class ConditionErrors {
                   const TableAxes& axes);
 
   const std::vector<const TakeTable*>& takes() const { return takes_; }
-  // Those of which anything is asked.
+  // Groups of joints of which any sample is asked.
   const std::vector<std::size_t>& groups() const { return groups_; }
   // "participants", "takes" or "blocks of time".
   const char* clusters() const { return cluster_kind_; }
@@ -126,7 +126,7 @@ class ConditionErrors {
 
   // The plain mean of some groups' mean errors.
   Estimate mean_m(std::span<const std::size_t> groups, std::size_t method, std::size_t alignment) const;
-  // The same, of two methods on the samples that both answer.
+  // Difference of two methods on the samples that both answer.
   MethodDifference difference(std::span<const std::size_t> groups, std::size_t first, std::size_t second,
                               std::size_t alignment) const;
 

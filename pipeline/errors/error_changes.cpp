@@ -88,7 +88,7 @@ void add_interval(const std::vector<WeightedRatio>& now, const std::vector<Weigh
   const double half_m = student_quantile(row.degrees) * row.standard_error_m;
   row.low_m = row.difference_m - half_m;
   row.high_m = row.difference_m + half_m;
-  row.chance = student_two_sided(row.difference_m / row.standard_error_m, row.degrees);
+  row.p_value = student_two_sided(row.difference_m / row.standard_error_m, row.degrees);
 }
 
 }  // namespace

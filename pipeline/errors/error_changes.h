@@ -29,7 +29,7 @@ bool are_comparable(const ResultsSummary& before, const ResultsSummary& after);
 // have none in common.
 std::optional<ErrorChanges> changes_between(const ErrorsByJoint& before, const ErrorsByJoint& after);
 
-// The same of two results folders, on average over the groups. Nothing for other kinds, for more or fewer
+// Changes between two results folders, on average over the groups. Nothing for other kinds, for more or fewer
 // than two, or where they are not comparable.
 std::optional<ErrorChanges> changes_between(const std::vector<std::filesystem::path>& results);
 

@@ -45,7 +45,7 @@ std::vector<std::vector<std::size_t>> rows_of(const ConditionErrors& errors) {
 }
 
 bool is_of_set(const ResultsSummary& summary, std::size_t method) {
-  return std::ranges::any_of(summary.families, [&](const MethodFamily& family) {
+  return std::ranges::any_of(summary.families, [&](const SensorSetGroup& family) {
     return family.sensors > 1 && family.methods.size() > 1 &&
            std::ranges::find(family.methods, summary.methods[method]) != family.methods.end();
   });
@@ -103,7 +103,7 @@ class StudyNumbers {
         for (const auto& groups : rows_of(errors)) add_groups(errors, groups, m, a, key);
       }
     add_best(errors, condition);
-    for (const MethodFamily& family : summary_.families) add_family(errors, condition, family);
+    for (const SensorSetGroup& family : summary_.families) add_family(errors, condition, family);
     const bool is_whole_activity = std::ranges::any_of(
         errors_.takes(), [&](const TakeTable& take) { return take.activity == condition; });
     if (!is_whole_activity) return;
@@ -313,7 +313,7 @@ class StudyNumbers {
   }
 
   // On average over the joint groups, over what its methods answer.
-  void add_family(const ConditionErrors& errors, const std::string& condition, const MethodFamily& family) {
+  void add_family(const ConditionErrors& errors, const std::string& condition, const SensorSetGroup& family) {
     if (errors.groups().empty()) return;
     Contrast mean;
     CellSums counts;

@@ -32,10 +32,10 @@ struct PairColumns {
   }
 };
 
-struct LengthSum {
+struct DistanceSum {
   std::uint32_t n = 0;
   double length_m = 0.0;
-  void add(const LengthSum& more) {
+  void add(const DistanceSum& more) {
     n += more.n;
     length_m += more.length_m;
   }
@@ -69,7 +69,7 @@ class TrackPairs {
   }
 
  private:
-  using Parts = std::array<LengthSum, kParts>;
+  using Parts = std::array<DistanceSum, kSubsetCombinations>;
   Parts& parts_of(std::size_t c, std::size_t j, std::size_t a) {
     return lengths_[(c * head_.joints.size() + j) * alignments_ + a];
   }
@@ -84,7 +84,7 @@ class TrackPairs {
           (aligned.aligned_m(w.estimate_m(w.slot(i, j, column.method)), w.block.heading_rad[i - w.begins()]) -
            w.truth_m(i, j))
               .norm();
-      if (std::isfinite(length_m)) parts[marks_.part_of(i, j)].add({1, length_m});
+      if (std::isfinite(length_m)) parts[marks_.subset_of(i, j)].add({1, length_m});
     }
   }
 
@@ -94,8 +94,8 @@ class TrackPairs {
       for (std::uint32_t j = 0; j < head_.joints.size(); ++j)
         for (std::uint32_t a = 0; a < alignments_; ++a)
           for (std::uint32_t subset = 0; subset < (settings_.occluded_apart ? 2 : 1); ++subset) {
-            const LengthSum of_first = sum_of(parts_of(first, j, a), subset),
-                            of_second = sum_of(parts_of(second, j, a), subset);
+            const DistanceSum of_first = sum_of(parts_of(first, j, a), subset),
+                              of_second = sum_of(parts_of(second, j, a), subset);
             if (of_first.n == 0 || of_second.n != of_first.n) continue;
             errors_[pairs_[p]].push_back({block, static_cast<std::uint32_t>(track_ * head_.joints.size()) + j,
                                           a, subset, of_first.n, of_first.length_m, of_second.length_m});
@@ -104,9 +104,9 @@ class TrackPairs {
     for (Parts& parts : lengths_) parts = {};
   }
 
-  static LengthSum sum_of(const Parts& parts, std::uint32_t subset) {
-    LengthSum sum;
-    for (std::size_t part = 0; part < kParts; ++part)
+  static DistanceSum sum_of(const Parts& parts, std::uint32_t subset) {
+    DistanceSum sum;
+    for (std::size_t part = 0; part < kSubsetCombinations; ++part)
       if (is_part_of(part, static_cast<Subset>(subset))) sum.add(parts[part]);
     return sum;
   }
@@ -117,7 +117,7 @@ class TrackPairs {
   const std::span<const MethodPair> pairs_;
   const std::size_t alignments_;
   const Windows windows_;
-  const SampleMarks marks_;
+  const SampleFlags marks_;
   const PairColumns columns_;
   const ColumnAlignments aligned_;
   std::vector<Parts> lengths_;  // by column, joint and alignment, of the current block of time

@@ -66,7 +66,7 @@ class TrackErrors {
   }
 
  private:
-  static std::vector<SampleColumn> own_columns(const SampleMarks& marks) {
+  static std::vector<SampleColumn> own_columns(const SampleFlags& marks) {
     std::vector<SampleColumn> columns;
     for (std::size_t m = 0; m < marks.answered().size(); ++m) columns.push_back({m, marks.answered()[m]});
     return columns;
@@ -100,7 +100,7 @@ class TrackErrors {
     for (std::uint64_t i = w.first; i < w.end; ++i) {
       if (!marks_.is_asked(i, j)) continue;
       const std::size_t slot = w.slot(i, j, m);
-      EndedRow& row = ended_[j * methods_ + m][marks_.part_of(i, j)][i < test_from ? 0 : 1];
+      EndedRow& row = ended_[j * methods_ + m][marks_.subset_of(i, j)][i < test_from ? 0 : 1];
       ++row.statuses[static_cast<std::size_t>(w.status(slot))];
       row.iterations += w.block.iterations[slot];
     }
@@ -118,7 +118,7 @@ class TrackErrors {
           w.truth_m(i, j);
       const double length_m = error_m.norm();
       if (!std::isfinite(length_m)) continue;  // no alignment was found
-      const std::size_t part = marks_.part_of(i, j);
+      const std::size_t part = marks_.subset_of(i, j);
       parts[part][0].add(length_m);
       for (int axis = 0; axis < 3; ++axis) parts[part][1 + static_cast<std::size_t>(axis)].add(error_m[axis]);
       const std::size_t bin = bin_of(length_m);
@@ -265,7 +265,7 @@ class TrackErrors {
     for (const Subset subset : subsets())
       for (std::size_t measure = 0; measure < kOfSample; ++measure) {
         ErrorSums sums;
-        for (std::size_t part = 0; part < kParts; ++part)
+        for (std::size_t part = 0; part < kSubsetCombinations; ++part)
           if (is_part_of(part, subset)) sums.add(parts[part][measure]);
         put(sums, block, quantity_of(j), m, a, subset, static_cast<Measure>(measure));
       }
@@ -294,7 +294,7 @@ class TrackErrors {
   void add_ended(std::size_t j, std::size_t m, Subset subset) {
     for (std::uint32_t test = 0; test < 2; ++test) {
       EndedRow row{quantity_of(j), static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(subset), test};
-      for (std::size_t part = 0; part < kParts; ++part) {
+      for (std::size_t part = 0; part < kSubsetCombinations; ++part) {
         if (!is_part_of(part, subset)) continue;
         const EndedRow& more = ended_[j * methods_ + m][part][test];
         row.iterations += more.iterations;
@@ -312,7 +312,7 @@ class TrackErrors {
                      static_cast<std::uint32_t>(subset)};
     for (std::uint32_t bin = 0; bin < size; ++bin) {
       std::uint32_t n = 0;
-      for (std::size_t part = 0; part < kParts; ++part)
+      for (std::size_t part = 0; part < kSubsetCombinations; ++part)
         if (is_part_of(part, subset) && bin < parts[part].size()) n += parts[part][bin];
       if (n == 0) continue;
       errors_.bins.push_back({bin, n});
@@ -326,19 +326,19 @@ class TrackErrors {
   const ErrorSettings& settings_;
   const std::size_t joints_, methods_, alignments_;
   const Windows windows_;
-  const SampleMarks marks_;
+  const SampleFlags marks_;
   const std::vector<SampleColumn> own_;
   const ColumnAlignments columns_;
   // Sums of the current block. A cell is a joint, method and alignment; jerks_ ends with the truth's; views_
   // has range and bearing by joint and method.
-  std::vector<std::array<std::array<ErrorSums, kOfSample>, kParts>> samples_;
+  std::vector<std::array<std::array<ErrorSums, kOfSample>, kSubsetCombinations>> samples_;
   std::vector<std::array<ErrorSums, 2>> bodies_;  // MPJPE, PA-MPJPE by method
   std::vector<ErrorSums> jerks_;
   std::vector<std::array<ErrorSums, 2>> views_;
   std::vector<WholeBody> body_;  // by instant of a window and method
   // Counts of the whole take: bins_ by cell, ended_ by joint and method, bone_lengths_ by method and bone.
-  std::vector<std::array<std::vector<std::uint32_t>, kParts>> bins_;
-  std::vector<std::array<std::array<EndedRow, 2>, kParts>> ended_;
+  std::vector<std::array<std::vector<std::uint32_t>, kSubsetCombinations>> bins_;
+  std::vector<std::array<std::array<EndedRow, 2>, kSubsetCombinations>> ended_;
   std::vector<std::pair<std::size_t, std::size_t>> bones_;  // joints
   std::vector<LengthSpread> bone_lengths_;
   TakeAngles angles_;

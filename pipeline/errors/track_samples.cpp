@@ -3,7 +3,7 @@
 
 namespace trilat {
 
-SampleMarks::SampleMarks(const Windows& windows, const TakeHead& head)
+SampleFlags::SampleFlags(const Windows& windows, const TakeHead& head)
     : instants_(head.instants),
       marks_(head.joints.size() * head.instants),
       answered_(head.methods.size(), SampleSet(marks_.size())) {

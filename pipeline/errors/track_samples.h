@@ -101,21 +101,21 @@ class Windows {
 };
 
 // Parts of the samples that are asked: not occluded, and occluded.
-inline constexpr std::size_t kParts = 2;
+inline constexpr std::size_t kSubsetCombinations = 2;
 constexpr bool is_part_of(std::size_t part, Subset subset) { return subset == Subset::all || part == 1; }
 
-// The samples of a track: which are asked, of which part each is, and who answers. A sample is asked where
-// its truth is known.
-class SampleMarks {
+// Flags of the samples of a track: whether each is asked, its subset, and which methods answer. A sample is
+// asked where its truth is known.
+class SampleFlags {
  public:
   // Reads the samples once.
-  SampleMarks(const Windows& windows, const TakeHead& head);
+  SampleFlags(const Windows& windows, const TakeHead& head);
 
   std::size_t place(std::uint64_t instant, std::size_t joint) const { return joint * instants_ + instant; }
   bool is_asked(std::uint64_t instant, std::size_t joint) const {
     return (marks_[place(instant, joint)] & kAsked) != 0;
   }
-  std::size_t part_of(std::uint64_t instant, std::size_t joint) const {
+  std::size_t subset_of(std::uint64_t instant, std::size_t joint) const {
     return marks_[place(instant, joint)] >> 1U;
   }
   const std::vector<SampleSet>& answered() const { return answered_; }  // by method, over place()

@@ -75,7 +75,7 @@ bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n"
 
 }  // namespace
 
-std::vector<std::string> studies_left_behind(const fs::path& results, const fs::path& baseline) {
+std::vector<std::string> studies_only_in_baseline(const fs::path& results, const fs::path& baseline) {
   std::vector<std::string> names;
   if (!fs::is_directory(baseline) || fs::is_empty(baseline)) return names;
   const ResultsSet now = find_results(results), before = find_results(baseline);
@@ -98,7 +98,7 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
   if (fs::exists(baseline) && !(fs::is_directory(baseline) && fs::is_empty(baseline))) {
     const ResultsSet before = find_results(baseline);  // never anything else's folder
     accepted.replaces_sha256 = content_of(baseline);
-    if (const auto older = read_beside<AcceptedBaseline>(baseline)) accepted.replaces_time = older->time;
+    if (const auto older = read_json_file<AcceptedBaseline>(baseline)) accepted.replaces_time = older->time;
     keeps_others = set.single && !before.single;
   }
   const NewBaseline folder(baseline);
@@ -117,7 +117,7 @@ AcceptedBaseline accept_results(const fs::path& results, const fs::path& given, 
     for (const FoundResults& found : set.results) copy_results(found.folder, partial / found.name);
   }
   accepted.sha256 = content_of(partial);
-  write_beside(partial, accepted);
+  write_json_file(partial, accepted);
   folder.put_in_place();
   return accepted;
 }

@@ -10,8 +10,8 @@
 namespace trilat {
 
 // The studies of the baseline that would not be in it any more.
-std::vector<std::string> studies_left_behind(const std::filesystem::path& results,
-                                             const std::filesystem::path& baseline);
+std::vector<std::string> studies_only_in_baseline(const std::filesystem::path& results,
+                                                  const std::filesystem::path& baseline);
 
 // Makes the results of `results` the baseline, with accepted.json beside them and without their items: copied
 // aside, then exchanged

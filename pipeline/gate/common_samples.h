@@ -19,8 +19,8 @@ struct CommonErrors {
 using CommonErrorsOfRows = std::map<std::tuple<std::string, std::string, std::string>,  // take, joint, method
                                     CommonErrors>;
 
-// Of these takes, from the samples that both results folders keep. A take that only one of them keeps is not
-// in it, nor one that is held against left-out sensors.
+// Errors of these takes, from the samples that both results folders keep. A take that only one of them keeps
+// is not in it, nor one that is held against left-out sensors.
 CommonErrorsOfRows common_errors(const std::filesystem::path& before, const std::filesystem::path& now,
                                  const std::set<std::string>& takes);
 

@@ -13,7 +13,7 @@ namespace trilat {
 // deterministic, without chance: an alarm is a mean error that grew, answers that fell, or a take that
 // lost a tenth of its answers, each by more than its limit; all other numbers that changed are listed. Takes
 // of other recordings are judged by Student's t of the mean error between their participants, eight at least,
-// with the probability of chance by Holm over all studies; of fewer the study is not judged, whatever its
+// with p values by Holm over all studies; of fewer the study is not judged, whatever its
 // other takes say. A number of another kind of study is an alarm where it is worse by what better_of() says;
 // where recordings are others, the study is not judged. Settings that differ are named, and the numbers are
 // compared all the same. InputError when a side
@@ -31,13 +31,13 @@ void compare_takes(const std::string& study, const ErrorsByJoint& before, const 
                    const std::vector<std::string>& same, const GateLimits& limits, GateReport& report,
                    const CommonErrorsOfRows& common = {});
 
-// Compares the errors of two accuracy results of other recordings. The chances of the findings are not yet
-// corrected, and no finding is an alarm: see judge_chances(). Gives what can be found, in percent of an
+// Compares the errors of two accuracy results of other recordings. The p values of the findings are not yet
+// corrected, and no finding is an alarm: see adjust_p_values(). Gives what can be found, in percent of an
 // average over the joint groups; NaN where nothing was compared.
-double compare_people(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
-                      const GateLimits& limits, GateReport& report);
-// Corrects the chances of all findings that have one, and keeps those that are more than chance.
-void judge_chances(const GateLimits& limits, GateReport& report);
+double compare_unpaired(const std::string& study, const ErrorsByJoint& before, const ErrorsByJoint& now,
+                        const GateLimits& limits, GateReport& report);
+// Corrects the p values of all findings that have one, and keeps those that are significant.
+void adjust_p_values(const GateLimits& limits, GateReport& report);
 
 // How compare_numbers() treats numbers that changed by more than their limits.
 enum class NumberRule : std::uint8_t {

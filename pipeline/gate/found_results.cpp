@@ -128,12 +128,12 @@ ResultsSet find_results(const fs::path& given) {
   return set;
 }
 
-PairedSet pair_results(ResultsSet now, ResultsSet before) {
+MatchedStudies match_studies(ResultsSet now, ResultsSet before) {
   const bool by_study = now.single || before.single;
   const auto matches = [&](const FoundResults& a, const FoundResults& b) {
     return by_study ? a.study == b.study : a.name == b.name;
   };
-  PairedSet set;
+  MatchedStudies set;
   if (now.single && before.single) {  // whatever their names: a difference is then named as one of settings
     set.pairs.push_back({std::move(now.results[0]), std::move(before.results[0])});
     return set;
@@ -156,9 +156,9 @@ std::vector<std::string> settings_that_differ(const ResultsPair& pair) {
   return differences_of(settings_of(pair.now.manifest), settings_of(pair.before.manifest));
 }
 
-TakesOfBoth takes_of_both(const ResultsPair& pair) {
+MatchedTakes match_takes(const ResultsPair& pair) {
   const auto now = recordings_of(pair.now.manifest), before = recordings_of(pair.before.manifest);
-  TakesOfBoth takes;
+  MatchedTakes takes;
   for (const auto& [id, files] : now) {
     const auto found = before.find(id);
     if (found == before.end())

@@ -35,13 +35,13 @@ ResultsSet find_results(const std::filesystem::path& folder);
 struct ResultsPair {
   FoundResults now, before;
 };
-struct PairedSet {
+struct MatchedStudies {
   std::vector<ResultsPair> pairs;
   std::vector<std::string> only_now, only_before;
 };
 
 // The studies that both nights have: by folder name, or by the study's own where one side is a single one.
-PairedSet pair_results(ResultsSet now, ResultsSet before);
+MatchedStudies match_studies(ResultsSet now, ResultsSet before);
 
 // A single value as it is, of a list or object as much as a message has room for.
 std::string shortened(const Json& value);
@@ -51,9 +51,9 @@ std::string shortened(const Json& value);
 std::vector<std::string> settings_that_differ(const ResultsPair& pair);
 
 // The ids of the takes of a study, by whether session and motion capture have the same content.
-struct TakesOfBoth {
+struct MatchedTakes {
   std::vector<std::string> same, other, one_sided;
 };
-TakesOfBoth takes_of_both(const ResultsPair& pair);
+MatchedTakes match_takes(const ResultsPair& pair);
 
 }  // namespace trilat

@@ -28,7 +28,7 @@ std::string value_text(const GateFinding& f, double value) {
                      f.unit == "1" ? "" : f.unit);
 }
 
-// "+7.7 % (+3.1 to +12.3), 4.10 cm -> 4.42 cm, chance 0.0004"
+// "+7.7 % (+3.1 to +12.3), 4.10 cm -> 4.42 cm, p = 0.0004"
 std::string size_text(const GateFinding& f) {
   std::string text;
   if (!std::isnan(f.percent)) text = fmt::format("{:+.1f} %", f.percent);
@@ -36,8 +36,8 @@ std::string size_text(const GateFinding& f) {
   if (!std::isnan(f.before) || !std::isnan(f.now))
     text +=
         fmt::format("{}{} -> {}", text.empty() ? "" : ", ", value_text(f, f.before), value_text(f, f.now));
-  if (!std::isnan(f.chance))
-    text += f.chance < 1e-6 ? ", chance below 1 in a million" : fmt::format(", chance {:.1g}", f.chance);
+  if (!std::isnan(f.p_value))
+    text += f.p_value < 1e-6 ? ", p below 1e-6" : fmt::format(", p = {:.1g}", f.p_value);
   return text;
 }
 
@@ -196,7 +196,7 @@ std::string not_judged_text(const GateReport& report) {
   return text;
 }
 
-std::string morning_text(const GateReport& report) {
+std::string gate_summary(const GateReport& report) {
   std::string text = headline_of(report);
   text += fmt::format(" ({}", report.baseline);
   if (!report.baseline_time.empty()) text += ", of " + report.baseline_time;
@@ -222,7 +222,7 @@ std::string morning_text(const GateReport& report) {
 
 Json gate_json(const GateReport& report) {
   return {{"format", "trilat.gate"},
-          {"version", 2},
+          {"version", 3},
           {"time", report.time},
           {"verdict", name_of(report.verdict())},
           {"alarms", report.alarms()},

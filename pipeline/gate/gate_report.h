@@ -17,7 +17,7 @@ struct GateLimits {
   double smallest_number = 1e-6;       // and of any other number
   double smallest_loss_percent = 0.5;  // of the samples answered before
   double take_loss_percent = 10.0;     // of one take's
-  double chance = 0.01;                // of a false alarm in the whole night, of other recordings
+  double false_alarm_rate = 0.01;      // of a whole night, of other recordings
 };
 
 // The kinds of findings.
@@ -48,8 +48,8 @@ struct GateFinding : CellName {
   double before = kNaN, now = kNaN;
   std::string unit;  // of before and now: "m" is printed in centimetres
   // percent: the change as a share of `before`, NaN where `before` is zero. Where recordings differ, low and
-  // high bound its 95 % interval, and chance is its probability by chance, corrected for all comparisons.
-  double percent = kNaN, low = kNaN, high = kNaN, chance = kNaN;
+  // high bound its 95 % interval, and p_value is corrected for all comparisons (Holm).
+  double percent = kNaN, low = kNaN, high = kNaN, p_value = kNaN;
   std::uint64_t clusters = 0;  // participants behind the interval
   std::string note;            // a sentence more: exact counts, which take
   std::string since;  // the first of the nights in a row that raised this alarm; empty when not known
@@ -58,7 +58,7 @@ struct GateFinding : CellName {
     f("kind", self.kind, "direction", self.direction, "alarm", self.alarm, "study", self.study, "method",
       self.method, "condition", self.condition, "group", self.group, "what", self.what, "unit", self.unit,
       "before", self.before, "now", self.now, "change_percent", self.percent, "change_low_percent", self.low,
-      "change_high_percent", self.high, "chance", self.chance, "clusters", self.clusters, "note", self.note,
+      "change_high_percent", self.high, "p_value", self.p_value, "clusters", self.clusters, "note", self.note,
       "since", self.since);
   }
 };
@@ -115,7 +115,7 @@ struct GateReport {
 
 // The text that somebody reads in the morning: a verdict with the worst alarm, settings that differ, each
 // alarm in a few lines, then what is better or to be known. Ends with a newline.
-std::string morning_text(const GateReport& report);
+std::string gate_summary(const GateReport& report);
 
 Json gate_json(const GateReport& report);
 

@@ -69,7 +69,7 @@ HostTime wand_mocap_start(const SimulationSpec& spec) {
 
 void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& poses,
                    const Eigen::Vector3d& rig_centre_m, const std::filesystem::path& folder,
-                   const Watch& watch) {
+                   const RunControl& control) {
   make_folder(folder);
   const SimulatedItem item = wand_item(spec);
   const Person person = draw_person(spec.seed, 0, spec.stature.mean_m, spec.stature.half_range_m);
@@ -89,25 +89,25 @@ void simulate_wand(const SimulationSpec& spec, const std::vector<SensorPose>& po
     return seen;
   };
   SyntheticSource source(spec.sensor, item, motion, sensors, wand.duration_s(), {spec.body_tracker},
-                         watched_depth(spec, sensors.size(), wand.duration_s(), scene, watch));
+                         watched_depth(spec, sensors.size(), wand.duration_s(), scene, control));
   RecordOptions options;
-  options.stop_requested = watch.stop_requested;
+  options.stop_requested = control.stop_requested;
   record(source, folder / "session.h5", options);
-  write_wand_mocap(spec, wand, folder / "mocap.csv", watch.stop_requested);
+  write_wand_mocap(spec, wand, folder / "mocap.csv", control.stop_requested);
   write_wand_truth(spec, wand, sensors, folder / "truth.json");
 }
 
 SyntheticDepth watched_depth(const SimulationSpec& spec, std::size_t sensors, double duration_s,
-                             SceneMotion scene, const Watch& watch) {
+                             SceneMotion scene, const RunControl& control) {
   const double expected = std::max(1.0, duration_s * spec.sensor.rate_hz * static_cast<double>(sensors));
-  const ForEach for_each = [watch, expected, done = 0.0](
+  const ForEach for_each = [control, expected, done = 0.0](
                                std::size_t count, const std::function<void(std::size_t)>& body) mutable {
     parallel_for_index(count, 1, [&](std::size_t i) {
-      watch.check();
+      control.check();
       body(i);
     });
     done += static_cast<double>(count);
-    watch.tell(std::min(1.0, done / expected));
+    control.report(std::min(1.0, done / expected));
   };
   return {std::move(scene), spec.depth.noise, for_each};
 }
@@ -184,7 +184,7 @@ DepthScene ball_scene(const BenchSpec& bench, const RoomSpec& room, bool in_room
 }
 
 void record_bench(const SimulationSpec& spec, std::uint64_t recording, double duration_s,
-                  const SceneMotion& scene, const std::filesystem::path& folder, const Watch& watch) {
+                  const SceneMotion& scene, const std::filesystem::path& folder, const RunControl& control) {
   make_folder(folder);
   const SimulatedItem item = bench_item(spec, recording);
   std::vector<SimulatedSensor> sensors;
@@ -196,9 +196,9 @@ void record_bench(const SimulationSpec& spec, std::uint64_t recording, double du
   }
   const Motion no_person = [](double) { return SkeletonPose(); };
   SyntheticSource source(spec.sensor, item, no_person, sensors, duration_s, {spec.body_tracker},
-                         watched_depth(spec, sensors.size(), duration_s, scene, watch));
+                         watched_depth(spec, sensors.size(), duration_s, scene, control));
   RecordOptions options;
-  options.stop_requested = watch.stop_requested;
+  options.stop_requested = control.stop_requested;
   record(source, folder / "session.h5", options);
   write_file(folder / "truth.json",
              simulated_truth(item, sensors, Duration{0}, &spec.depth.noise).dump(2) + "\n");
@@ -224,7 +224,7 @@ CalibrationRecording ball_recording(const std::shared_ptr<const SimulationSpec>&
   const BenchSpec& bench = *spec->bench;
   const double duration_s = static_cast<double>(bench.places) * bench.hold_s;
   return {in_room ? "bench_room" : "bench_far_wall", duration_s,
-          [=](const std::filesystem::path& folder, const Watch& watch) {
+          [=](const std::filesystem::path& folder, const RunControl& control) {
             const std::vector<BenchPlace> places = bench_places(*spec);
             const SceneMotion scene = [&](double t) {
               const double last = static_cast<double>(places.size() - 1);
@@ -232,7 +232,7 @@ CalibrationRecording ball_recording(const std::shared_ptr<const SimulationSpec>&
               const Eigen::Vector3d height(0.0, kBenchHeight_m, 0.0);
               return ball_scene(*spec->bench, spec->room, in_room, height + places[p].ball_in_sensor_m);
             };
-            record_bench(*spec, in_room ? 1 : 0, duration_s, scene, folder, watch);
+            record_bench(*spec, in_room ? 1 : 0, duration_s, scene, folder, control);
             write_places(*spec, places, folder);
           },
           [=](const std::filesystem::path& folder, Campaign& campaign) {
@@ -244,11 +244,11 @@ CalibrationRecording ball_recording(const std::shared_ptr<const SimulationSpec>&
 CalibrationRecording wall_recording(const std::shared_ptr<const SimulationSpec>& spec, std::size_t number) {
   const double wall_m = spec->bench->walls_m[number];
   return {fmt::format("bench_wall_{:g}m", wall_m), spec->bench->wall_s,
-          [=](const std::filesystem::path& folder, const Watch& watch) {
+          [=](const std::filesystem::path& folder, const RunControl& control) {
             DepthScene wall;
             wall.planes.push_back({-Eigen::Vector3d::UnitZ(), -wall_m});
             record_bench(
-                *spec, 2 + number, spec->bench->wall_s, [&](double) { return wall; }, folder, watch);
+                *spec, 2 + number, spec->bench->wall_s, [&](double) { return wall; }, folder, control);
           },
           [=](const std::filesystem::path& folder, Campaign& campaign) {
             campaign.walls.push_back({folder / "session.h5", wall_m});
@@ -264,8 +264,8 @@ std::vector<CalibrationRecording> calibration_recordings(const SimulationSpec& g
   std::vector<CalibrationRecording> recordings;
   if (spec->wand)
     recordings.push_back({"wand", wand_duration_s(*spec->wand),
-                          [=](const std::filesystem::path& folder, const Watch& watch) {
-                            simulate_wand(*spec, poses, rig_centre_m, folder, watch);
+                          [=](const std::filesystem::path& folder, const RunControl& control) {
+                            simulate_wand(*spec, poses, rig_centre_m, folder, control);
                           },
                           [=](const std::filesystem::path& folder, Campaign& campaign) {
                             campaign.wand = {folder / "session.h5", folder / "mocap.csv", "wand",

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What campaign.json says of a take besides its files.
+// Keys of a take in campaign.json besides its files.
 struct TakeEntry {
   std::string participant, activity;
   std::int64_t mocap_start_host_ns = 0;
@@ -36,14 +36,14 @@ Take take_of(const std::string& id, const TakeEntry& entry, const fs::path& fold
 }
 
 // Moves what the items recorded out of the store.
-void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated, const ResultsRun& run,
-                  const fs::path& folder) {
+void finish_campaign(const SimulationSpec& spec, const SimulatedCampaign& simulated, const ResultsRun& run,
+                     const fs::path& folder) {
   Campaign campaign{spec.name, true, {}, folder};
   for (const CalibrationRecording& recording : simulated.calibration)
     recording.add_to(folder / recording.folder, campaign);
   for (std::size_t r = 0; r < simulated.recordings(); ++r) {
     const std::string id = simulated.id(r);
-    const Outcome& outcome = run.outcome(r);
+    const ItemResult& outcome = run.outcome(r);
     fs::rename(outcome.folder, folder / id);
     fs::remove(folder / id / "item.json");
     if (!outcome.json.is_null())
@@ -52,7 +52,7 @@ void put_together(const SimulationSpec& spec, const SimulatedCampaign& simulated
   write_campaign(folder, campaign);
 }
 
-// What an earlier simulation left.
+// Whether an earlier simulation left it.
 bool is_of_campaign(const fs::path& path) {
   const std::string name = path.filename().string();
   return name == "calibration.json" || name == "simulator.json" || fs::exists(path / "truth.json");
@@ -60,21 +60,21 @@ bool is_of_campaign(const fs::path& path) {
 
 }  // namespace
 
-ItemTally record_campaign(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs,
-                          const fs::path& folder, const StudyOptions& options) {
+ItemCounts record_campaign(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs,
+                           const fs::path& folder, const StudyOptions& options) {
   const SimulatedCampaign campaign = simulated_campaign(spec);
   const std::vector<double> costs = costs_of(spec, campaign);
   std::vector<ResultsRun::Item> items;
   for (std::size_t r = 0; r < campaign.recordings(); ++r)
     items.push_back({"recordings/" + campaign.id(r), costs[r]});
-  ItemTally tally;
+  ItemCounts tally;
   {
     ResultsRun run(folder, items, options);
-    run.find_keys([&](std::size_t r, const Watch&) {
+    run.find_keys([&](std::size_t r, const RunControl&) {
       return key_of({{"simulation", spec.name}, {"sha256", sha256}, {"recording", campaign.id(r)}});
     });
-    run.compute([&](std::size_t r, const fs::path& into, const Watch& watch) -> Json {
-      const std::optional<Take> take = simulate_recording(spec, campaign, r, into, watch);
+    run.compute([&](std::size_t r, const fs::path& into, const RunControl& control) -> Json {
+      const std::optional<Take> take = simulate_recording(spec, campaign, r, into, control);
       inputs.check();
       if (!take) return Json();
       return json_of(TakeEntry{take->participant, take->activity, take->mocap_start_host_ns,
@@ -82,7 +82,7 @@ ItemTally record_campaign(const SimulationSpec& spec, const std::string& sha256,
     });
     run.publish("campaign.json", is_of_campaign, [&](const fs::path& into) {
       write_rig(spec, campaign.rig, into);
-      put_together(spec, campaign, run, into);
+      finish_campaign(spec, campaign, run, into);
     });
     tally = run.tally();
   }
@@ -92,10 +92,10 @@ ItemTally record_campaign(const SimulationSpec& spec, const std::string& sha256,
   return tally;
 }
 
-Campaign simulate_campaign(const SimulationSpec& spec, const fs::path& folder, const Watch& watch) {
+Campaign simulate_campaign(const SimulationSpec& spec, const fs::path& folder, const RunControl& control) {
   record_campaign(spec, "", {}, folder,
-                  {.stop_requested = watch.stop_requested,
-                   .progress = [&](const std::string&, double share) { watch.tell(share); },
+                  {.stop_requested = control.stop_requested,
+                   .progress = [&](const std::string&, double share) { control.report(share); },
                    .fresh = true});
   return read_campaign(folder);
 }

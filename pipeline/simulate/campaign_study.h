@@ -16,11 +16,11 @@ namespace trilat {
 // wand/. `sha256`: of the documents that the simulation was read from, which `inputs` watches. Goes on from
 // recordings that an interrupted run of the same simulation left; an earlier one in the folder is replaced.
 // Throws Interrupted.
-ItemTally record_campaign(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs,
-                          const std::filesystem::path& folder, const StudyOptions& options);
+ItemCounts record_campaign(const SimulationSpec& spec, const std::string& sha256, const WatchedFiles& inputs,
+                           const std::filesystem::path& folder, const StudyOptions& options);
 
-// The same, all of it anew, and reads it.
+// Simulates a campaign anew, and reads it.
 Campaign simulate_campaign(const SimulationSpec& spec, const std::filesystem::path& folder,
-                           const Watch& watch);
+                           const RunControl& control);
 
 }  // namespace trilat

@@ -75,12 +75,12 @@ SimulatedTakePlan recorded_take(const SimulationSpec& spec, const RecordedMotion
 
 void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
                  const std::vector<SimulatedSensor>& sensors, const std::filesystem::path& session,
-                 const Watch& watch) {
+                 const RunControl& control) {
   RecordOptions options;
-  options.stop_requested = watch.stop_requested;
+  options.stop_requested = control.stop_requested;
   std::optional<SyntheticDepth> depth;
   if (spec.depth.takes)
-    depth = watched_depth(spec, sensors.size(), plan.duration_s, scene_of(spec, plan, rig.centre_m), watch);
+    depth = watched_depth(spec, sensors.size(), plan.duration_s, scene_of(spec, plan, rig.centre_m), control);
   SyntheticSource source(spec.sensor, plan.item, plan.motion, sensors, plan.duration_s, spec.body_tracker,
                          std::move(depth));
   record(source, session, options);
@@ -89,16 +89,16 @@ void record_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, cons
 }  // namespace
 
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
-                   const std::filesystem::path& folder, const Watch& watch) {
+                   const std::filesystem::path& folder, const RunControl& control) {
   make_folder(folder);
   std::vector<SimulatedSensor> sensors;
   for (const SensorPose& pose : rig.poses) {
     sensors.push_back(draw_sensor(spec.sensor, plan.item, sensors.size(), pose));
     sensors.back().unit = draw_depth_unit(spec.depth.noise, plan.item.seed, sensors.back().index);
   }
-  record_take(spec, plan, rig, sensors, folder / "session.h5", watch);
+  record_take(spec, plan, rig, sensors, folder / "session.h5", control);
   if (plan.recorded_mocap.empty()) {
-    write_simulated_mocap(spec.mocap, plan, folder, watch.stop_requested);
+    write_simulated_mocap(spec.mocap, plan, folder, control.stop_requested);
     write_mapping(folder / "mapping.json", marker_mapping(plan.marker_joints));
   } else {
     copy_recorded(plan.recorded_mocap, folder / "mocap.csv");
@@ -141,10 +141,10 @@ std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign
 
 std::optional<Take> simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& campaign,
                                        std::size_t recording, const std::filesystem::path& folder,
-                                       const Watch& watch) {
+                                       const RunControl& control) {
   if (recording < campaign.takes.size())
-    return simulate_take(spec, campaign.takes[recording], campaign.rig, folder, watch);
-  campaign.calibration[recording - campaign.takes.size()].simulate(folder, watch);
+    return simulate_take(spec, campaign.takes[recording], campaign.rig, folder, control);
+  campaign.calibration[recording - campaign.takes.size()].simulate(folder, control);
   return std::nullopt;
 }
 

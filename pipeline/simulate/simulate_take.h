@@ -40,7 +40,7 @@ struct SimulatedRig {
 // entry for the campaign. For a real take mocap.csv and
 // mapping.json are copies of what was given, and there is no truth.csv.
 Take simulate_take(const SimulationSpec& spec, const SimulatedTakePlan& plan, const SimulatedRig& rig,
-                   const std::filesystem::path& folder, const Watch& watch);
+                   const std::filesystem::path& folder, const RunControl& control);
 
 // All that a simulation records: every take, and behind them what it is calibrated by.
 struct SimulatedCampaign {
@@ -60,7 +60,7 @@ std::vector<double> costs_of(const SimulationSpec& spec, const SimulatedCampaign
 // Makes one recording in `folder`; the entry of a take, nothing of a calibration recording.
 std::optional<Take> simulate_recording(const SimulationSpec& spec, const SimulatedCampaign& campaign,
                                        std::size_t recording, const std::filesystem::path& folder,
-                                       const Watch& watch);
+                                       const RunControl& control);
 
 // calibration.json and simulator.json.
 void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder);

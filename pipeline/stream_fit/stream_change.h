@@ -44,7 +44,7 @@ const std::vector<Eigen::Matrix3d>& signed_axes(bool mirrored);
 // A change turns one stream, the subject, into another one, the reference. The default changes nothing.
 struct StreamChange {
   std::vector<SizeChange> sizes{};
-  // What the subject shows at its first instant + t, the reference shows at that time + start_s + stretch t.
+  // The subject's pose at its first instant + t is the reference's at that time + start_s + stretch t.
   double stretch = 1.0, start_s = 0.0;
   bool has_start = false, has_stretch = false;
   std::vector<std::size_t> order{};  // the subject's point order[j] is the reference's point j; empty: j
@@ -150,7 +150,7 @@ TimeBlocks blocks_of(const StreamPair& pair);
 // Mean of the values that are finite; NaN where there are none.
 double mean_of_known(const std::vector<double>& values);
 ChangeErrors errors_of_change(const StreamPair& pair, const TimeBlocks& blocks, const StreamChange& change);
-// The same change with its frame fitted to all pairs.
+// Change with its frame fitted to all pairs.
 StreamChange fitted(const StreamPair& pair, const TimeBlocks& blocks, StreamChange change);
 
 }  // namespace trilat

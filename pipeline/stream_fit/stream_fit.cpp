@@ -149,7 +149,7 @@ class ChangeChoice {
            a.sizes.size() == b.sizes.size();
   }
 
-  // The same change at the ratio of two frame rates, where one is near and fits as well; whole rates first.
+  // Change at the ratio of two frame rates, where one is near and fits as well; whole rates first.
   StreamChange at_known_rate(const StreamChange& change) const {
     if (!change.has_stretch) return change;
     constexpr double kNearRate = 0.004, kAsWell = 1.05;

@@ -42,7 +42,7 @@ struct FileIdentity {
   std::int64_t changed_s = 0;  // the later of both times
 };
 
-// Nothing when it is not a regular file or cannot be looked at.
+// Identity of a file; nothing when it is not a regular file or cannot be looked at.
 std::optional<FileIdentity> identity_of(const std::filesystem::path& file);
 
 // FileIdentity::written; empty when there is none.

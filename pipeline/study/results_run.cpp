@@ -26,25 +26,25 @@ std::string stage_of(const std::string& id) { return id.substr(0, id.find('/'));
 // How far items are that are computed beside each other.
 class StageProgress {
  public:
-  StageProgress(std::vector<double> costs, Watch watch)
-      : watch_(std::move(watch)),
+  StageProgress(std::vector<double> costs, RunControl control)
+      : control_(std::move(control)),
         costs_(std::move(costs)),
         done_(costs_.size()),
         all_(std::accumulate(costs_.begin(), costs_.end(), 0.0)) {}
-  // The watch of the item of that index.
-  Watch item(std::size_t index) {
-    return {watch_.stop_requested, [this, index](double share) { tell(index, share); }};
+  // Control of the item of that index.
+  RunControl item(std::size_t index) {
+    return {control_.stop_requested, [this, index](double share) { report(index, share); }};
   }
 
  private:
-  void tell(std::size_t index, double share) {
+  void report(std::size_t index, double share) {
     const std::lock_guard lock(mutex_);
     sum_ += costs_[index] * (share - done_[index]);
     done_[index] = share;
-    watch_.tell(sum_ / all_);
+    control_.report(sum_ / all_);
   }
 
-  Watch watch_;
+  RunControl control_;
   std::mutex mutex_;
   std::vector<double> costs_, done_;
   double all_, sum_ = 0.0;
@@ -60,7 +60,7 @@ std::size_t step_through(std::size_t n) {
 
 // Several shards may begin at once, so it is written aside under a name of this process.
 void put_manifest(const ItemStore& store, const fs::path& results, const Json& manifest) {
-  const ItemStore::Aside aside(store);
+  const ItemStore::StagingFolder aside(store);
   write_file(aside.path() / "manifest.json", json_text(manifest, 1) + "\n");
   fs::rename(aside.path() / "manifest.json", results / "manifest.json");
 }
@@ -120,15 +120,15 @@ ResultsRun::ResultsRun(fs::path results, std::vector<Item> items, const StudyOpt
     if (owner[i] == options.shard.number) mine_.push_back(i);
 }
 
-Watch ResultsRun::watch(const std::string& stage) const { return watch_of(options_, stage); }
+RunControl ResultsRun::control(const std::string& stage) const { return control_of(options_, stage); }
 
-void ResultsRun::find_keys(const std::function<std::string(std::size_t, const Watch&)>& key_of) {
-  const Watch inputs = watch("inputs");
+void ResultsRun::find_keys(const std::function<std::string(std::size_t, const RunControl&)>& key_of) {
+  const RunControl inputs = control("inputs");
   std::atomic<std::size_t> done{0};
   parallel_for_index(mine_.size(), 1, [&](std::size_t k) {
     inputs.check();
     keys_[mine_[k]] = key_of(mine_[k], inputs);
-    inputs.tell(static_cast<double>(++done) / static_cast<double>(mine_.size()));
+    inputs.report(static_cast<double>(++done) / static_cast<double>(mine_.size()));
   });
 }
 
@@ -155,35 +155,35 @@ void ResultsRun::begin(const Json& manifest) {
 }
 
 void ResultsRun::compute(
-    const std::function<Computed(std::size_t, const fs::path&, const Watch&)>& compute_item) {
-  const ItemStore::Aside aside(store_);
+    const std::function<ComputedItem(std::size_t, const fs::path&, const RunControl&)>& compute_item) {
+  const ItemStore::StagingFolder aside(store_);
   std::span<const std::size_t> left = mine_;
   while (!left.empty()) {
     const std::string stage = stage_of(items_[left[0]].id);
     std::size_t count = 1;
     while (count < left.size() && stage_of(items_[left[count]].id) == stage) ++count;
     const RunningTime time;
-    compute_stage(left.first(count), aside.path(), watch(stage), compute_item);
+    compute_stage(left.first(count), aside.path(), control(stage), compute_item);
     times_[stage + "_s"] = time.seconds();
     left = left.subspan(count);
   }
 }
 
-void ResultsRun::compute_stage(std::span<const std::size_t> items, const fs::path& aside, const Watch& watch,
-                               const auto& compute_item) {
+void ResultsRun::compute_stage(std::span<const std::size_t> items, const fs::path& aside,
+                               const RunControl& control, const auto& compute_item) {
   std::vector<double> costs;
   for (const std::size_t i : items) costs.push_back(items_[i].cost);
-  StageProgress progress(std::move(costs), watch);
+  StageProgress progress(std::move(costs), control);
   std::atomic<std::size_t> next{0};
   const std::size_t step = step_through(items.size());
   parallel_for_index(items.size(), 1, [&](std::size_t) {
     try {
       for (std::size_t n; (n = next++) < items.size();) {
         const std::size_t k = n * step % items.size();
-        const Watch of_item = progress.item(k);
+        const RunControl of_item = progress.item(k);
         of_item.check();
         take(items[k], aside / std::to_string(items[k]), of_item, compute_item);
-        of_item.tell(1.0);
+        of_item.report(1.0);
       }
     } catch (...) {
       next = items.size();  // no thread begins another
@@ -192,13 +192,14 @@ void ResultsRun::compute_stage(std::span<const std::size_t> items, const fs::pat
   });
 }
 
-void ResultsRun::take(std::size_t i, const fs::path& aside, const Watch& watch, const auto& compute_item) {
+void ResultsRun::take(std::size_t i, const fs::path& aside, const RunControl& control,
+                      const auto& compute_item) {
   const Item& item = items_[i];
-  Outcome outcome{keys_[i], store_.folder(keys_[i]), {}, false};
+  ItemResult outcome{keys_[i], store_.folder(keys_[i]), {}, false};
   const bool found = find(item, outcome);
   if (!found) {
     make_folder(aside);
-    Computed computed = compute_item(i, aside, watch);
+    ComputedItem computed = compute_item(i, aside, control);
     outcome.json = std::move(computed.outcome);
     outcome.failed = computed.failed;
     if (outcome.key.empty() && !outcome.failed)
@@ -216,7 +217,7 @@ void ResultsRun::take(std::size_t i, const fs::path& aside, const Watch& watch, 
   outcomes_[item.id] = std::move(outcome);
 }
 
-bool ResultsRun::find(const Item& item, Outcome& outcome) {
+bool ResultsRun::find(const Item& item, ItemResult& outcome) {
   if (outcome.key.empty() || options_.fresh) return false;
   try {
     std::optional<StoredItem> stored = store_.find(outcome.key);
@@ -247,7 +248,7 @@ Json ResultsRun::with_items(Json manifest) const {
 void ResultsRun::publish(const std::string& mark, const std::function<bool(const fs::path&)>& is_earlier,
                          const std::function<void(const fs::path&)>& write) {
   {
-    const ItemStore::Aside aside(store_);
+    const ItemStore::StagingFolder aside(store_);
     write(aside.path());
     trilat::publish(aside.path(), results_, mark, is_earlier);
   }

@@ -31,39 +31,40 @@ class ResultsRun {
   };
   ResultsRun(std::filesystem::path results, std::vector<Item> items, const StudyOptions& options);
 
-  // Watch of one stage of the run.
-  Watch watch(const std::string& stage) const;
+  // RunControl of one stage of the run.
+  RunControl control(const std::string& stage) const;
   // Whether the run is of all items; else a shard's.
   bool is_whole() const { return options_.shard.whole(); }
 
   // Asks for the key of each item of this run, a hash of all that decides its outcome; empty when an input
   // cannot be read. From any thread.
-  void find_keys(const std::function<std::string(std::size_t item, const Watch& watch)>& key_of);
+  void find_keys(const std::function<std::string(std::size_t item, const RunControl& control)>& key_of);
   // Whether the results of this manifest, without its items, are there already; nothing is then left to do.
   bool is_finished(const Json& manifest);
   // The folder's results are those of this manifest from here on, and unfinished.
   void begin(const Json& manifest);
   // Finds items or computes them, each into an empty folder whose files become the item's. From any thread.
-  void compute(const std::function<Computed(std::size_t item, const std::filesystem::path& into,
-                                            const Watch& watch)>& compute_item);
-  const Outcome& outcome(std::size_t item) const { return outcomes_.at(items_[item].id); }
+  void compute(const std::function<ComputedItem(std::size_t item, const std::filesystem::path& into,
+                                                const RunControl& control)>& compute_item);
+  const ItemResult& outcome(std::size_t item) const { return outcomes_.at(items_[item].id); }
   const Outcomes& outcomes() const { return outcomes_; }
   // Moves what is written into an empty folder into the results, the file `mark` last, and removes what
   // `is_earlier` of an earlier run; items that are not of this run go.
   void publish(const std::string& mark, const std::function<bool(const std::filesystem::path&)>& is_earlier,
                const std::function<void(const std::filesystem::path& into)>& write);
-  // The same for results: summary.json says that they are whole, run.json how they came about.
+  // Publishes results: summary.json says that they are whole, run.json how they came about.
   void publish_results(const Json& manifest,
                        const std::function<void(const std::filesystem::path& into)>& write);
 
-  ItemTally tally() { return std::move(tally_); }
+  ItemCounts tally() { return std::move(tally_); }
 
  private:
   Json with_items(Json manifest) const;
   void compute_stage(std::span<const std::size_t> items, const std::filesystem::path& aside,
-                     const Watch& watch, const auto& compute_item);
-  void take(std::size_t i, const std::filesystem::path& aside, const Watch& watch, const auto& compute_item);
-  bool find(const Item& item, Outcome& outcome);
+                     const RunControl& control, const auto& compute_item);
+  void take(std::size_t i, const std::filesystem::path& aside, const RunControl& control,
+            const auto& compute_item);
+  bool find(const Item& item, ItemResult& outcome);
 
   const std::filesystem::path results_;
   const std::vector<Item> items_;
@@ -75,7 +76,7 @@ class ResultsRun {
   std::vector<std::size_t> mine_;  // items of this run
   std::mutex mutex_;
   Outcomes outcomes_;
-  ItemTally tally_;
+  ItemCounts tally_;
   Json times_ = Json::object();
 };
 

@@ -58,10 +58,11 @@ std::vector<std::uint64_t> shards_of(std::span<const double> costs, std::uint64_
   return result;
 }
 
-Watch watch_of(const StudyOptions& options, const std::string& stage) {
-  Watch watch{options.stop_requested, {}};
-  if (options.progress) watch.progress = [&options, stage](double share) { options.progress(stage, share); };
-  return watch;
+RunControl control_of(const StudyOptions& options, const std::string& stage) {
+  RunControl control{options.stop_requested, {}};
+  if (options.progress)
+    control.progress = [&options, stage](double share) { options.progress(stage, share); };
+  return control;
 }
 
 std::string key_of(const Json& settings) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "datasets/base/json.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -38,18 +38,18 @@ std::vector<std::uint64_t> shards_of(std::span<const double> costs, std::uint64_
 std::string key_of(const Json& settings);
 
 // The outcome of an item and the folder of its files.
-struct Outcome {
+struct ItemResult {
   std::string key;
   std::filesystem::path folder;  // no such folder when it failed
   Json json;
   bool failed = false;
   JsonPlace place() const { return JsonPlace(folder / "item.json").at("outcome"); }
 };
-using Outcomes = std::map<std::string, Outcome>;  // by the item's id
+using Outcomes = std::map<std::string, ItemResult>;  // by the item's id
 
 // The result of computing an item.
-struct Computed {
-  Computed(Json json, bool has_failed = false) : outcome(std::move(json)), failed(has_failed) {}
+struct ComputedItem {
+  ComputedItem(Json json, bool has_failed = false) : outcome(std::move(json)), failed(has_failed) {}
   Json outcome;
   bool failed;  // it is named in the results, and tried again by the next run
 };
@@ -65,11 +65,11 @@ struct StudyOptions {
   std::function<void()> mark = {};  // marks the output as its verb's, before anything is written into it
 };
 
-// Watch of one stage of a run; `options` must outlive it.
-Watch watch_of(const StudyOptions& options, const std::string& stage);
+// RunControl of one stage of a run; `options` must outlive it.
+RunControl control_of(const StudyOptions& options, const std::string& stage);
 
 // The ids of the items of one run, by what the run did with them.
-struct ItemTally {
+struct ItemCounts {
   std::vector<std::string> computed, found;  // in the order in which they came
   std::map<std::string, Json> failed;        // their outcomes
   std::vector<std::string> damaged;          // what is wrong with items that were there

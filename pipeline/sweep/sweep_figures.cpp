@@ -14,7 +14,7 @@
 namespace trilat {
 namespace {
 
-constexpr const char* kThePapers = "the paper's";
+constexpr const char* kPaperRow = "the paper's";
 constexpr std::size_t kMaxPanels = 12, kMaxLines = 6;
 
 const SweepSetting& setting_of(const SweepSummary& s, std::size_t interpretation) {
@@ -98,7 +98,7 @@ std::optional<PrintedTable1> papers(const SweepSummary& s) {
 
 FigureSeries paper_series(const PrintedTable1& paper, const Quantity& quantity, std::size_t range,
                           std::size_t panel) {
-  FigureSeries series{kThePapers, FigureSeries::Style::line_and_dots, {}, {}, "truth"};
+  FigureSeries series{kPaperRow, FigureSeries::Style::line_and_dots, {}, {}, "truth"};
   series.panel = panel;
   series.hollow = true;
   for (const PrintedTable1::Row& row : paper.rows)

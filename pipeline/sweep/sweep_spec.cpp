@@ -48,7 +48,7 @@ constexpr double kMaxError_cm = 1e5;
 
 // Centimetres as they were written: 7 cm are not 7.000000000000001.
 double centimetres(double length_m) { return std::round(length_m * 1e11) / 1e9; }
-// The same length again from what is written.
+// Length as it is read again from what is written.
 double as_written_m(double length_cm) {
   return centimetres(length_cm * kMetresPerCentimetre) * kMetresPerCentimetre;
 }

@@ -49,18 +49,18 @@ double scalar_us(const SweepSpec& spec, std::size_t cell) {
 
 // Times every cell on one thread by the scalar solver; of three rounds over all cells the fastest counts, so
 // that a busy moment of the machine spoils none.
-void time_into(const std::filesystem::path& folder, const SweepSpec& spec, const Watch& watch) {
+void time_into(const std::filesystem::path& folder, const SweepSpec& spec, const RunControl& control) {
   constexpr std::size_t kRounds = 3;
   const std::size_t cells = spec.cells.size();
   SweepTimings timings{spec.name, processor_name(), spec.time_problems, {}};
   timings.solve_us.assign(cells, std::numeric_limits<double>::infinity());
   for (std::size_t round = 0; round < kRounds; ++round)
     for (std::size_t cell = 0; cell < cells; ++cell) {
-      watch.check();
+      control.check();
       timings.solve_us[cell] = std::min(timings.solve_us[cell], scalar_us(spec, cell));
-      watch.tell(static_cast<double>(round * cells + cell + 1) / static_cast<double>(kRounds * cells));
+      control.report(static_cast<double>(round * cells + cell + 1) / static_cast<double>(kRounds * cells));
     }
-  write_beside(folder, timings);
+  write_json_file(folder, timings);
 }
 
 constexpr std::uint64_t kChunksAtOnce = 64;  // whose sums are in memory
@@ -92,12 +92,12 @@ struct Chunk {
   }
 };
 
-Chunk solve_chunk(const SweepSpec& spec, std::size_t cell, std::uint64_t chunk, const Watch& watch) {
+Chunk solve_chunk(const SweepSpec& spec, std::size_t cell, std::uint64_t chunk, const RunControl& control) {
   SweepBlock block(trials_of(spec, spec.cells[cell]));
   const std::uint64_t end = std::min((chunk + 1) * kChunkTrials, spec.trials);
   Chunk solved;
   for (std::uint64_t trial = chunk * kChunkTrials; trial < end; trial += kBlockTrials) {
-    watch.check();
+    control.check();
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlockTrials, end - trial));
     const auto start = Clock::now();
     block.make_trials(trial, count);
@@ -109,7 +109,7 @@ Chunk solve_chunk(const SweepSpec& spec, std::size_t cell, std::uint64_t chunk, 
 
 // Leaves the numbers of each cell, and how long its trials took, in the item's folder.
 Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::path& into,
-             const Watch& watch) {
+             const RunControl& control) {
   const std::uint64_t per_cell = (spec.trials + kChunkTrials - 1) / kChunkTrials;
   const std::uint64_t chunks = item.count * per_cell;
   std::vector<Chunk> of_cell(item.count), solved(std::min(kChunksAtOnce, chunks));
@@ -117,10 +117,10 @@ Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::pa
   for (std::uint64_t first = 0; first < chunks; first += solved.size()) {
     const std::size_t count = std::min<std::uint64_t>(solved.size(), chunks - first);
     parallel_for_index(count, 1, [&](std::size_t i) {
-      solved[i] = solve_chunk(spec, item.first + (first + i) / per_cell, (first + i) % per_cell, watch);
-      watch.tell(static_cast<double>(++done) / static_cast<double>(chunks));
+      solved[i] = solve_chunk(spec, item.first + (first + i) / per_cell, (first + i) % per_cell, control);
+      control.report(static_cast<double>(++done) / static_cast<double>(chunks));
     });
-    watch.check();  // cancelled from outside, chunks are left out without a word
+    control.check();  // cancelled from outside, chunks are left out without a word
     for (std::size_t i = 0; i < count; ++i) of_cell[(first + i) / per_cell].add(solved[i]);
   }
   Numbers numbers;
@@ -130,7 +130,7 @@ Json compute(const SweepSpec& spec, const Cells& item, const std::filesystem::pa
     timings.solve_us.push_back(of_cell[c].us / static_cast<double>(spec.trials));
   }
   write_numbers(into, numbers);
-  write_beside(into, timings);
+  write_json_file(into, timings);
   return {{"rows", numbers.all().size()}};
 }
 
@@ -139,11 +139,11 @@ void gather_times(const SweepSpec& spec, const std::vector<Cells>& items, const 
                   const std::filesystem::path& folder) {
   SweepTimings all{spec.name, processor_name(), 0, {}};
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const auto of_item = read_beside<SweepTimings>(run.outcome(i).folder);
+    const auto of_item = read_json_file<SweepTimings>(run.outcome(i).folder);
     for (std::size_t cell = 0; cell < items[i].count; ++cell)
       all.solve_us.push_back(of_item ? of_item->solve_us.at(cell) : kNaN);
   }
-  write_beside(folder, all);
+  write_json_file(folder, all);
 }
 
 SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, const ResultsRun& run) {
@@ -158,7 +158,7 @@ SweepSummary summary_of(const SweepSpec& spec, const std::vector<Cells>& items, 
   s.ranges = spec.ranges.size();
   for (const SweepSetting& setting : spec.cells) s.cells.push_back({setting});
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const Outcome& outcome = run.outcome(i);
+    const ItemResult& outcome = run.outcome(i);
     s.numbers.add(read_numbers(outcome.folder, outcome.json.at("rows").get<std::uint64_t>()));
   }
   add_interpretations(s);
@@ -182,13 +182,14 @@ std::string key_of_item(const SweepSpec& spec, const Cells& item) {
 
 }  // namespace
 
-ItemTally run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, const StudyOptions& options) {
+ItemCounts run_sweep(const SweepSpec& spec, const std::filesystem::path& folder,
+                     const StudyOptions& options) {
   const std::vector<Cells> items = items_of(spec);
   std::vector<ResultsRun::Item> named;
   for (const Cells& item : items)
     named.push_back({id_of(item), static_cast<double>(item.count * spec.trials)});
   ResultsRun run(folder, named, options);
-  run.find_keys([&](std::size_t i, const Watch&) { return key_of_item(spec, items[i]); });
+  run.find_keys([&](std::size_t i, const RunControl&) { return key_of_item(spec, items[i]); });
   const Json manifest = manifest_of(json_of(spec), {{"simulated", true},
                                                     {"skipped", spec.skipped},
                                                     {"cells", spec.cells.size()},
@@ -196,19 +197,19 @@ ItemTally run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, 
                                                     {"inputs", Json::array()}});
   if (run.is_finished(manifest)) return run.tally();
   run.begin(manifest);
-  run.compute([&](std::size_t i, const std::filesystem::path& into, const Watch& watch) {
-    return compute(spec, items[i], into, watch);
+  run.compute([&](std::size_t i, const std::filesystem::path& into, const RunControl& control) {
+    return compute(spec, items[i], into, control);
   });
   if (run.is_whole())
     run.publish_results(manifest, [&](const std::filesystem::path& into) {
       if (spec.time_problems > 0)
-        time_into(into, spec, run.watch("timing"));
+        time_into(into, spec, run.control("timing"));
       else
         gather_times(spec, items, run, into);
       const SweepSummary summary = summary_of(spec, items, run);
-      const SweepTimings timings = read_beside<SweepTimings>(into).value();
+      const SweepTimings timings = read_json_file<SweepTimings>(into).value();
       store_tables(into, sweep_tables(summary, timings));
-      write_beside(into, StoredFigures{sweep_figures(summary, timings)});
+      write_json_file(into, StoredFigures{sweep_figures(summary, timings)});
       write_results(into, summary);
     });
   return run.tally();

@@ -14,6 +14,6 @@ inline constexpr std::size_t kChunkTrials = 8192;
 
 // Solves the sweep's trials on the threads of the current arena. An item is the cells of one interpretation,
 // or some of them; summary.json is a SweepSummary, timings.json SweepTimings. Throws Interrupted.
-ItemTally run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, const StudyOptions& options);
+ItemCounts run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, const StudyOptions& options);
 
 }  // namespace trilat

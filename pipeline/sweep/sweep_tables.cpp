@@ -159,16 +159,16 @@ StoredTables sweep_tables(const SweepSummary& s, const SweepTimings& timings) {
       s.interpretations(), s.ranges, s.thresholds, s.trials);
   shown.findings = {threshold_sentence(s)};
   shown.errata = {{"E18", mean_spread_effect(s)}};
-  const auto add = [&](std::vector<Table> tables, Table::Shown where) {
+  const auto add = [&](std::vector<Table> tables, Table::Placement where) {
     for (Table& table : tables) {
       table.shown = where;
       shown.tables.push_back(std::move(table));
     }
   };
-  add(table1(s, timings), Table::Shown::first);
+  add(table1(s, timings), Table::Placement::first);
   Table cells = sweep_table(s, timings);
   const bool is_long = cells.rows.size() > kMaxCells;
-  add({std::move(cells)}, is_long ? Table::Shown::file : Table::Shown::detail);
+  add({std::move(cells)}, is_long ? Table::Placement::file : Table::Placement::detail);
   return shown;
 }
 

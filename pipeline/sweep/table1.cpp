@@ -51,7 +51,7 @@ Table table_of_interpretations(const SweepSummary& s, const SweepTimings& timing
                              : TableValue::of(row.time_us[p.range], -1);
   };
   Table table = table_of<Place>(
-      usable_id("table1-" + s.cell(*interpretations.printed, 0, 0).rig),
+      file_name_from("table1-" + s.cell(*interpretations.printed, 0, 0).rig),
       {"Table I: propagation error, time and iterations, the paper's beside ours, simulated",
        fmt::format("{}; {} trials a cell, seed {}", interpretations.name, s.trials, s.seed)},
       rows,

@@ -120,8 +120,8 @@ void AgentSender::take(const Message& message) {
   }
 }
 
-// Where to go on in the log. Waits for the beginning of the recording, in which the recorder gives signs of
-// life.
+// Offset at which to go on in the log. Waits for the beginning of the recording, in which the recorder gives
+// signs of life.
 std::uint64_t AgentSender::wait_for_welcome(ByteStream& stream, MessageReader& reader,
                                             const std::optional<SentLog>& log) {
   stream.write_all(encode_message(HelloMessage{LinkRole::data, options_.name, options_.run, log ? log->id : 0,

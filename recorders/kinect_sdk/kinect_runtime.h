@@ -8,7 +8,7 @@
 
 namespace trilat::kinect {
 
-// What a source needs of the Kinect runtime and of Windows.
+// Calls of the Kinect runtime and of Windows that a source needs.
 struct KinectRuntime {
   std::function<HResult(IKinectSensor** sensor)> default_sensor;
   // True when the handle was signalled within the time.

@@ -165,7 +165,7 @@ std::optional<SourceEvent> KinectSource::next() {
   if (last_frame_ns_ == 0) last_frame_ns_ = host_now_ns();
   while (ready_.empty() && !stopped_) {
     if (runtime_.wait(arrived_, kPollPeriod)) take_frame();
-    mind_silence();
+    check_silence();
   }
   if (ready_.empty()) return std::nullopt;
   SourceEvent event = std::move(ready_.front());
@@ -230,7 +230,7 @@ bool KinectSource::has_frame() const {
   });
 }
 
-void KinectSource::mind_silence() {
+void KinectSource::check_silence() {
   const std::int64_t now_ns = host_now_ns();
   if (has_frame()) {
     last_frame_ns_ = now_ns;

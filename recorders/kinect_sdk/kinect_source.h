@@ -79,7 +79,7 @@ class KinectSource : public FrameSource {
   void take_frame();
   void take_depth(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns);
   void take_bodies(kinect::IMultiSourceFrame& frame, std::int64_t arrival_ns);
-  void mind_silence();
+  void check_silence();
   void say(const std::string& text);
 
   kinect::KinectRuntime runtime_;

@@ -115,7 +115,7 @@ class ProcessStream : public ByteStream {
   }
 
  private:
-  // As the C runtime of the child takes a line apart.
+  // Quotes a word as the C runtime of the child takes a line apart.
   static std::string quoted(const std::string& word) {
     if (!word.empty() && word.find_first_of(" \t\"") == std::string::npos) return word;
     std::string text = "\"";

@@ -13,7 +13,7 @@
 
 namespace trilat {
 
-// What an agent and the recorder say to each other. A message is its length (u32), a type byte and its
+// Messages between an agent and the recorder. A message is its length (u32), a type byte and its
 // fields, all little-endian; texts carry their length (u16) and hold no control characters.
 inline constexpr std::uint16_t kLinkVersion = 5;
 inline constexpr std::size_t kMaxMessageBytes = 2u << 20;
@@ -72,7 +72,7 @@ using Message = std::variant<HelloMessage, WelcomeMessage, RefusalMessage, Bytes
 // With the length in front. Texts are cut to their limit, control characters in them become blanks.
 std::vector<std::byte> encode_message(const Message& message);
 
-// What the other side says is not what this program speaks; the text says why.
+// The other side's message is not one of this program; the text says why.
 class BadMessage : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -15,7 +15,7 @@ struct SocketAddress {
 // InputError naming `text` where it is not HOST:PORT.
 SocketAddress parse_address(const std::string& text);
 
-// As parse_address() reads it.
+// Text of an address as parse_address() reads it.
 std::string text_of(const SocketAddress& address);
 
 // True for localhost and addresses that never leave this machine.

@@ -21,7 +21,7 @@ struct DrawnFigure {
 // bytes on one machine. InputError when gnuplot refuses, with what it says.
 std::vector<DrawnFigure> draw_figures(std::vector<Figure> figures);
 
-// The same figure with its panels below each other.
+// Figure with its panels below each other.
 Figure narrow_figure(Figure figure);
 
 struct FigureSize {

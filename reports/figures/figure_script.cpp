@@ -24,7 +24,7 @@ constexpr std::size_t kPanelColumns = 3;
 
 using Style = FigureSeries::Style;
 
-// Nothing is replaced in single quotes, where backquotes of double ones would run a program.
+// Text in single quotes, in which nothing is replaced: backquotes in double ones would run a program.
 std::string gnuplot_text(const std::string& text) {
   std::string result = "'";
   for (char c : text) {

@@ -118,7 +118,7 @@ Figure figure_of(const ResultsSummary& summary, const TakeHead& header, const Pa
                  const std::string& joint) {
   const std::vector<std::size_t> shown = shown_methods(header);
   Figure figure;
-  figure.id = usable_id(fmt::format("trajectory-{}-{}", header.condition, joint));
+  figure.id = file_name_from(fmt::format("trajectory-{}-{}", header.condition, joint));
   const auto spaced = [](std::string name) {
     std::ranges::replace(name, '_', ' ');
     return name;

@@ -106,7 +106,7 @@ std::string lead_html(const ReportContent& content) {
     more =
         "Simulated: no camera was used; a number says what follows from the errors that sensors and body "
         "tracker are declared to have, by default as measured on real people. ";
-  const auto tables = std::ranges::count(content.tables(), Table::Shown::first, &Table::shown);
+  const auto tables = std::ranges::count(content.tables(), Table::Placement::first, &Table::shown);
   if (tables > 0)
     more += fmt::format("Below: {} table{}; each study lists its others, one CSV each.", tables,
                         tables == 1 ? "" : "s");

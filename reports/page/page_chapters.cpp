@@ -87,7 +87,7 @@ std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
     ++others;
   };
   for (const Table& table : chapter.tables) {
-    if (table.shown != Table::Shown::first) {
+    if (table.shown != Table::Placement::first) {
       add(table_link(table));
       continue;
     }
@@ -102,7 +102,7 @@ std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
       html += figure_html(drawn);
   html += folded(others, "more tables and figures of this study", links);
   return html + fmt::format("<p class=\"soft\"><a href=\"#made-{}\">Commands and inputs</a></p>\n",
-                            html_text(usable_id(chapter.provenance.folder)));
+                            html_text(file_name_from(chapter.provenance.folder)));
 }
 
 void add_fact(std::string& html, const char* name, const std::string& value) {
@@ -133,7 +133,7 @@ std::string inputs_html(const Provenance& p) {
 
 std::string provenance_html(const Provenance& p) {
   std::string html =
-      fmt::format("<h3 id=\"made-{}\">{}</h3>\n", html_text(usable_id(p.folder)), html_text(p.folder));
+      fmt::format("<h3 id=\"made-{}\">{}</h3>\n", html_text(file_name_from(p.folder)), html_text(p.folder));
   if (p.config.empty())
     html += "<p>There is no manifest.json in this folder: what went into these results is not known.</p>\n";
   std::string facts;

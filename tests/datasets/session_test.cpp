@@ -297,7 +297,7 @@ TEST(Session, VerifyRefusesLossesThatAreNoCounts) {
     EXPECT_THAT(
         said_of(written("drops.h5", 10, {}, [&](SessionWriter& writer) { writer.add_drop_count(0, drops); })),
         HasSubstr(std::to_string(drops.at_source) + " frames lost at the source and " +
-                  std::to_string(drops.in_queue) + " for want of room are no counts"));
+                  std::to_string(drops.in_queue) + " because the queue was full are no counts"));
 }
 
 TEST(Session, ControlCharactersOfAFileReachNoTerminal) {
@@ -325,7 +325,7 @@ TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
   for (const char* finding :
        {"error 1 bodies have the id of another in the same frame | accuracy studies with several",
         "warning 1 frames are missing by their sequence numbers | coverage of every study",
-        "warning 1 frames were lost at the source and 7 for want of room",
+        "warning 1 frames were lost at the source and 7 because the queue was full",
         "note the recorder said: unplugged | \n"})
     EXPECT_THAT(said, HasSubstr(finding));
 }

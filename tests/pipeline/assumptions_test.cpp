@@ -27,7 +27,7 @@ SimulationSpec tracked(double lag_s) {
   return spec;
 }
 
-std::string value_of(const std::vector<DeclaredParameter>& parameters, const std::string& name) {
+std::string value_of(const std::vector<SimulationAssumption>& parameters, const std::string& name) {
   const auto found = std::ranges::find_if(parameters, [&](const auto& p) { return p.name == name; });
   return found == parameters.end() ? "no " + name : found->value;
 }

@@ -23,11 +23,11 @@ TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
 }
 
 // 1 to 5 mm: the mean is 3, the squares about it add up to 10; quantiles interpolate between neighbours.
-TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
+TEST(ErrorStatistics, MeanDeviationAndQuantilesByPencil) {
   std::vector<ClusteredError> errors;
   for (std::size_t i : {4u, 0u, 2u, 1u, 3u}) errors.push_back({0, 1e-3 * static_cast<double>(i + 1)});
   errors.push_back({1, kNaN});
-  const ErrorSpread spread = spread_of(errors);
+  const ErrorStatistics spread = spread_of(errors);
   EXPECT_EQ(spread.asked, 6u);
   EXPECT_EQ(spread.answered, 5u);
   EXPECT_NEAR(spread.mean_m, 0.003, 1e-15);
@@ -38,21 +38,21 @@ TEST(ErrorSpread, MeanDeviationAndQuantilesByPencil) {
   EXPECT_TRUE(std::isnan(spread.mean_low_m));
 }
 
-TEST(ErrorSpread, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
-  const ErrorSpread nothing = spread_of({}), none = spread_of({{0, kNaN}});
+TEST(ErrorStatistics, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
+  const ErrorStatistics nothing = spread_of({}), none = spread_of({{0, kNaN}});
   EXPECT_EQ(nothing.asked, 0u);
   EXPECT_EQ(none.asked, 1u);
-  for (const ErrorSpread& spread : {nothing, none}) {
+  for (const ErrorStatistics& spread : {nothing, none}) {
     EXPECT_EQ(spread.answered, 0u);
     EXPECT_TRUE(std::isnan(spread.mean_m) && std::isnan(spread.sd_m) && std::isnan(spread.max_m));
   }
-  const ErrorSpread one = spread_of({{0, 0.25}});
+  const ErrorStatistics one = spread_of({{0, 0.25}});
   EXPECT_EQ(one.mean_m, 0.25);
   EXPECT_EQ(one.p95_m, 0.25);
   EXPECT_TRUE(std::isnan(one.sd_m));
 }
 
-TEST(ErrorSpread, AnIntervalIsBetweenClusters) {
+TEST(ErrorStatistics, AnIntervalIsBetweenClusters) {
   const auto clusters = [](std::size_t count) {
     std::vector<ClusteredError> errors;
     for (std::size_t c = 0; c < count; ++c)
@@ -61,7 +61,7 @@ TEST(ErrorSpread, AnIntervalIsBetweenClusters) {
   };
   EXPECT_TRUE(std::isnan(spread_of(clusters(1)).mean_low_m));
   // 1 to 4 mm: Student's t of three degrees, and a standard error of sqrt(5 / 3) / 2 mm
-  const ErrorSpread spread = spread_of(clusters(4));
+  const ErrorStatistics spread = spread_of(clusters(4));
   EXPECT_NEAR(spread.mean_low_m, 0.0025 - 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
   EXPECT_NEAR(spread.mean_high_m, 0.0025 + 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
 }

@@ -46,8 +46,8 @@ TEST(Claims, AStoredNumberIsJudgedByItsInterval) {
 }
 
 TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
-  const ClaimChance above = chance_of(estimate(0.2, 0.01), more_than(10)),
-                    below = chance_of(estimate(0.05, 0.01), more_than(10));
+  const ClaimPValues above = chance_of(estimate(0.2, 0.01), more_than(10)),
+                     below = chance_of(estimate(0.05, 0.01), more_than(10));
   EXPECT_LT(above.holds, 1e-6);
   EXPECT_EQ(above.fails, 1.0);
   EXPECT_EQ(below.holds, 1.0);
@@ -145,7 +145,7 @@ TEST(Claims, WhatIsListedWholeHasNoProbability) {
 MadeStudy walking(const std::vector<std::pair<std::string, std::vector<double>>>& methods,
                   std::vector<std::string> joints = {"head", "shoulder_left", "elbow_left", "wrist_right"}) {
   std::vector<std::string> names;
-  MethodFamily singles{"single", 1, {}};
+  SensorSetGroup singles{"single", 1, {}};
   for (const auto& [name, errors_cm] : methods) {
     names.push_back(name);
     if (name.starts_with("single ")) singles.methods.push_back(name);

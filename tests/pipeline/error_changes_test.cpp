@@ -51,7 +51,7 @@ TEST(ErrorChanges, OfTheSamePeopleAreThoseOfTheirDifferences) {
   EXPECT_NEAR(change.high_m, 0.02 + 0.04303 / std::sqrt(3.0), 1e-5);
   EXPECT_EQ(change.clusters, 3u);
   EXPECT_NEAR(change.standard_error_m, 0.01 / std::sqrt(3.0), 1e-9);
-  EXPECT_NEAR(change.chance, 1.0 - std::sqrt(12.0 / 14.0),
+  EXPECT_NEAR(change.p_value, 1.0 - std::sqrt(12.0 / 14.0),
               1e-9);  // t = sqrt(12), in closed form for two degrees
   EXPECT_FALSE(change.is_real());
   EXPECT_THAT(changes_sentences(*changes).at(0), HasSubstr("**0 of 1**"));

@@ -50,7 +50,7 @@ ResultsSummary chosen(std::uint64_t participants, const std::vector<std::pair<st
 
 TEST(FirstScreen, AnswersTheQuestionWithYesOrNoAndOneNumber) {
   const auto first = [](double mean_cm) {
-    return answers_on_the_paper(chosen(16, {{"nonlinear", 10.0}, {"mean", mean_cm}})).front();
+    return paper_comparison(chosen(16, {{"nonlinear", 10.0}, {"mean", mean_cm}})).front();
   };
   EXPECT_EQ(first(5.0),
             "**No**: the plain mean of the same sensors errs 50 % (45 to 55) less than `nonlinear`.");
@@ -60,14 +60,14 @@ TEST(FirstScreen, AnswersTheQuestionWithYesOrNoAndOneNumber) {
 }
 
 TEST(FirstScreen, SaysWhatTrilaterationReachesWhatErrsLessAndOnWhichData) {
-  const std::vector<std::string> answers = answers_on_the_paper(
+  const std::vector<std::string> answers = paper_comparison(
       chosen(1, {{"nonlinear", 10.0}, {"linear", 11.0}, {"mean", 5.0}, {"single k1", 4.0}}, "none"));
   ASSERT_EQ(answers.size(), 4u);
   EXPECT_EQ(answers[1],
             "Errors of trilateration: `nonlinear` 10.0 cm (9.8 to 10.2), `linear` 11.0 cm (10.8 to 11.2).");
   EXPECT_EQ(answers[2], "Methods that err less: `mean` 5.0 cm (4.8 to 5.2).");
   EXPECT_EQ(answers[3], "Data: 1 **simulated** walker, average of 1 joint groups.");
-  EXPECT_THAT(answers_on_the_paper(chosen(3, {{"median", 5.0}, {"mean", 5.0}})), IsEmpty());
+  EXPECT_THAT(paper_comparison(chosen(3, {{"median", 5.0}, {"mean", 5.0}})), IsEmpty());
 }
 
 TEST(FirstScreen, FewParticipantsRuleNothingOut) {
@@ -115,7 +115,7 @@ TEST(FirstScreen, SharedRowsStayAmongTheFirst) {
   const ResultsSummary s = shown_summary(chosen(6, methods));
   EXPECT_THAT(leading_methods(s, "walking"), Contains("mean"));
   EXPECT_THAT(accuracy_figures(s).front().y_names, Contains("mean = mine"));
-  EXPECT_THAT(answers_on_the_paper(s).front(), StartsWith("**No**"));
+  EXPECT_THAT(paper_comparison(s).front(), StartsWith("**No**"));
 }
 
 TEST(FirstScreen, AStudyNamedAsItsCampaignIsNamedOnce) {

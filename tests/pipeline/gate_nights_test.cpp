@@ -20,8 +20,8 @@ std::vector<GateFinding> judged(const SimulatedNights& nights, std::uint64_t num
   if (model.same_recordings)
     compare_takes("simulated", night.before, night.now, night.takes, {}, report);
   else
-    compare_people("simulated", night.before, night.now, {}, report);
-  judge_chances({}, report);
+    compare_unpaired("simulated", night.before, night.now, {}, report);
+  adjust_p_values({}, report);
   return report.findings;
 }
 

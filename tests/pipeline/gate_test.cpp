@@ -317,7 +317,7 @@ TEST(Gate, AnotherKindOnOtherRecordingsIsNotJudged) {
   const GateReport report = compare_results(folder / "now", folder / "before");
   EXPECT_EQ(report.verdict(), NightVerdict::not_judged);
   EXPECT_THAT(report.findings, SizeIs(2));
-  EXPECT_THAT(morning_text(report), HasSubstr("NOT JUDGED: other recordings in runs"));
+  EXPECT_THAT(gate_summary(report), HasSubstr("NOT JUDGED: other recordings in runs"));
 }
 
 TEST(Gate, RefusesWhatIsUnfinishedEmptyOrOfAnotherVersion) {
@@ -376,7 +376,7 @@ TEST(Gate, AcceptingNeedsAReasonAndIsRemembered) {
   EXPECT_EQ(nights.gate({"--history", history}).code, 1);
   const Ended ended = nights.gate({"--accept", "a <better> model", "--history", history});
   EXPECT_EQ(ended.code, 0) << ended.err;
-  const auto accepted = read_beside<AcceptedBaseline>(nights.before());
+  const auto accepted = read_json_file<AcceptedBaseline>(nights.before());
   ASSERT_TRUE(accepted.has_value());
   EXPECT_EQ(accepted->reason, "a <better> model");
   EXPECT_THAT(accepted->replaces_sha256, SizeIs(64));

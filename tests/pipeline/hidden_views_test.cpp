@@ -32,7 +32,7 @@ TEST(HiddenViews, AreThoseThatATrackerWhichKnowsThemInfers) {
   const ScratchFolder folder;
   const Campaign campaign = simulate_into(folder / "c", swinging_spec());
   execute_study(study_of(kWithHidden), campaign, folder / "out", {});
-  const auto tracking = read_beside<TrackingSummary>(folder / "out");
+  const auto tracking = read_json_file<TrackingSummary>(folder / "out");
   std::uint64_t hidden = 0;
   for (const RuleRow& row : tracking->rules) {
     if (row.rule == "inferred" && row.hidden > 50) {  // few are the ends of stretches
@@ -56,7 +56,7 @@ TEST(HiddenViews, RulesAreJudgedByTheViewsThatSeeTheJoint) {
   const auto rules = [&](const char* name) {
     execute_study(study_of(kWithHidden), campaign, folder / name, {});
     std::map<std::pair<std::string, std::string>, RuleRow> by_name;
-    const auto tracking = read_beside<TrackingSummary>(folder / name);
+    const auto tracking = read_json_file<TrackingSummary>(folder / name);
     for (const RuleRow& row : tracking->rules) by_name[{row.rule, row.group}] = row;
     return by_name;
   };

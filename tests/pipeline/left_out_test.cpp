@@ -67,7 +67,7 @@ TEST(LeftOut, TheSensorsTrackedJointsAreTheTruthAndNoMethodSeesThem) {
   const Plan plan = make_plan(study_of(kMethods), blind_campaign(folder, 1));
   const PlannedTake& planned = plan.takes[0];
   RecordedTake recorded = read_take(plan, planned, {});
-  const FollowedTake followed = follow_person(plan, planned, recorded);
+  const PersonTake followed = select_person(plan, planned, recorded);
   const PreparedTake data = view_take(plan, planned, followed, std::nullopt, 2, {});
   std::size_t tracked = 0, inferred = 0;
   for (std::size_t i = 0; i < data.time.size(); ++i) {
@@ -124,7 +124,7 @@ TEST(LeftOut, AStudySaysWhatItIsHeldAgainst) {
   ASSERT_TRUE(head);
   EXPECT_GT(head->mae_m, 0.005);
   EXPECT_LT(head->mae_m, 0.1);
-  const auto tracking = read_beside<TrackingSummary>(folder.path() / "results");
+  const auto tracking = read_json_file<TrackingSummary>(folder.path() / "results");
   ASSERT_TRUE(tracking);
   EXPECT_EQ(tracking->rays.size(), 2u);  // once a take, of all sensors
   for (const std::string& method : summary.methods) {

@@ -17,8 +17,8 @@ constexpr const char* kByMotion =
     R"("alignments": ["none"], "clock": "motion", "methods": [{"method": "mean"}])";
 
 // The clocks' row of a walk whose mocap is stated so much too late; `others`: somebody else is in view, too.
-ClockRow clock_of(const SimulationSpec& spec, double late_s, const SessionChange& change = {},
-                  bool others = false) {
+ClockOffsetRow clock_of(const SimulationSpec& spec, double late_s, const SessionChange& change = {},
+                        bool others = false) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "campaign", spec);
   Take& take = campaign.takes[0];
@@ -27,7 +27,7 @@ ClockRow clock_of(const SimulationSpec& spec, double late_s, const SessionChange
   if (others) add_bodies_of(take, simulate_other_person(folder / "other", spec), folder / "two.h5");
   const ResultsSummary summary = execute_study(study_of(kByMotion), campaign, folder / "results", {});
   EXPECT_EQ(summary.takes_failed, 0u);
-  const auto tracking = read_beside<TrackingSummary>(folder / "results");
+  const auto tracking = read_json_file<TrackingSummary>(folder / "results");
   EXPECT_EQ(tracking->clocks.size(), 1u);
   return tracking->clocks.at(0);
 }
@@ -35,14 +35,14 @@ ClockRow clock_of(const SimulationSpec& spec, double late_s, const SessionChange
 TEST(MotionClock, IsFoundThoughMarkersAreLostNowAndThen) {
   SimulationSpec spec = synchronised(walking_spec(1, 20.0));
   spec.mocap.gap_share = 0.05;
-  const ClockRow clock = clock_of(spec, 0.080);
+  const ClockOffsetRow clock = clock_of(spec, 0.080);
   EXPECT_EQ(clock.status, "found");
   EXPECT_NEAR(clock.offset_s, 0.080, 0.005);
   EXPECT_LT(clock.low_s, clock.high_s);
 }
 
 TEST(MotionClock, IsFoundThoughTwoSensorsAreBlindForSeconds) {
-  const ClockRow clock =
+  const ClockOffsetRow clock =
       clock_of(synchronised(walking_spec(1, 20.0)), -0.050, {[](std::size_t sensor, BodyFrame& frame) {
                  if (sensor < 2 && frame.stamp.sequence > 200 && frame.stamp.sequence < 350)
                    frame.bodies.clear();
@@ -55,7 +55,7 @@ TEST(MotionClock, IsFoundThoughTwoSensorsAreBlindForSeconds) {
 TEST(MotionClock, IsThatOfThePersonWithTheMarkersThoughOthersMoveToo) {
   SimulationSpec spec = synchronised(walking_spec(1, 20.0));
   spec.body_tracker = exact_body_tracker();
-  const ClockRow clock = clock_of(spec, 0.080, {}, true);
+  const ClockOffsetRow clock = clock_of(spec, 0.080, {}, true);
   EXPECT_EQ(clock.status, "found");
   EXPECT_NEAR(clock.offset_s, 0.080, 0.005);
 }
@@ -63,7 +63,7 @@ TEST(MotionClock, IsThatOfThePersonWithTheMarkersThoughOthersMoveToo) {
 // A stride of this walk takes 1.1 s, and its speeds repeat themselves: only the place tells strides apart.
 TEST(MotionClock, IsFoundThoughItIsStridesAway) {
   for (const double late_s : {0.45, -0.8, 1.1, 2.0, -2.0}) {
-    const ClockRow clock = clock_of(synchronised(walking_spec(1, 20.0)), late_s);
+    const ClockOffsetRow clock = clock_of(synchronised(walking_spec(1, 20.0)), late_s);
     EXPECT_EQ(clock.status, "found") << late_s;
     EXPECT_NEAR(clock.offset_s, late_s, 0.005);
   }
@@ -71,7 +71,7 @@ TEST(MotionClock, IsFoundThoughItIsStridesAway) {
 
 TEST(MotionClock, BeyondTheSearchNoStrideIsTakenForIt) {
   for (const double late_s : {3.4, -4.4, 5.5}) {
-    const ClockRow clock = clock_of(synchronised(walking_spec(1, 20.0)), late_s);
+    const ClockOffsetRow clock = clock_of(synchronised(walking_spec(1, 20.0)), late_s);
     EXPECT_NE(clock.status, "found") << late_s << ": " << clock.offset_s;
     EXPECT_FALSE(clock.applied) << late_s;
   }

@@ -78,9 +78,9 @@ TEST(OddInput, ATruthShorterThanABlockIsEvaluatedWhereItIs) {
   EXPECT_EQ(cell->clusters, 3u);
   EXPECT_LT(cell->mae_low_m, cell->mae_m);
   EXPECT_GT(cell->mae_high_m, cell->mae_m);
-  const auto tracking = read_beside<TrackingSummary>(folder / "results");
+  const auto tracking = read_json_file<TrackingSummary>(folder / "results");
   ASSERT_TRUE(tracking);
-  for (const ClockRow& clock : tracking->clocks) {
+  for (const ClockOffsetRow& clock : tracking->clocks) {
     EXPECT_FALSE(clock.applied) << clock.status;  // a second of motion tells nothing
     EXPECT_TRUE(std::isnan(clock.offset_s)) << clock.status;
   }

@@ -59,7 +59,7 @@ TEST(OverTime, AllJointsTogetherSayHowFarTheyAre) {
   for (std::size_t i = 0; i < kWalkInstants; ++i)
     time_ns.push_back(static_cast<std::int64_t>(i) * 33'333'333);
   const std::array joints{Joint::elbow_left, Joint::wrist_left};
-  const SeenInTime seen{
+  const TrajectoryInput seen{
       time_ns, 1, joints, [&](std::size_t instant, Joint joint, std::span<JointObservation> observations) {
         const double s = static_cast<double>(instant) / 30.0;
         observations[0].seen = true;
@@ -67,7 +67,7 @@ TEST(OverTime, AllJointsTogetherSayHowFarTheyAre) {
         observations[0].point_in_world_m = {std::sin(s), joint == joints[0] ? 1.0 : 1.3, 0.0};
       }};
   std::vector<std::size_t> advanced;
-  MethodPaths paths{0, joints.size(), std::vector<PathPoint>(kWalkInstants * joints.size())};
+  MethodTrajectories paths{0, joints.size(), std::vector<TrajectoryPoint>(kWalkInstants * joints.size())};
   solve_bones({}, seen, {[&](std::size_t instants) { advanced.push_back(instants); }, {}}, paths);
   EXPECT_GT(advanced.size(), 3u);
   EXPECT_EQ(std::accumulate(advanced.begin(), advanced.end(), std::size_t{0}), kWalkInstants);

@@ -13,7 +13,7 @@ constexpr Duration kGap{110 * kMs}, kLate{33 * kMs};
 // Frames 33 ms apart with one body each, whose head is as many metres before the sensor as the frame's
 // number; they arrive so many milliseconds after their exposure.
 struct Track {
-  std::vector<SeenBody> bodies;
+  std::vector<IdentifiedBody> bodies;
   std::vector<SensorFrame> frames;
 
   explicit Track(const std::vector<std::int64_t>& delays_ms) : bodies(delays_ms.size()) {

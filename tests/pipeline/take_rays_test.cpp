@@ -26,8 +26,8 @@ constexpr const char* kEstimated =
     R"("methods": [{"method": "mean"}, {"method": "range_bearing", "calibration": "stated"}])";
 
 // One simulated take with white errors, equal in all directions, as methods see it.
-struct SeenTake {
-  explicit SeenTake(double bias_m = 0.0) {
+struct ViewedTake {
+  explicit ViewedTake(double bias_m = 0.0) {
     SimulationSpec spec = walking_spec(1, 8.0);
     spec.body_tracker.own_bias_sigma_m.fill(bias_m);
     spec.body_tracker.jitter_sigma_m.fill(0.03);
@@ -42,7 +42,7 @@ struct SeenTake {
 };
 
 TEST(TakeRays, AnInstantIsJudgedWithTheSigmasOfTheOtherHalf) {
-  SeenTake take;
+  ViewedTake take;
   const std::size_t instants = take.data.time.size();
   estimate_sigmas(take.plan, take.plan.takes[0], take.data);
   const RaySigma first = sigma_at(take.data, false, 0, 0),
@@ -78,7 +78,7 @@ TEST(TakeRays, ATurnedSensorIsFoundAndTakenAway) {
   EXPECT_GT(error_m(turned, "mean"), error_m(straight, "mean") + 0.01);
   EXPECT_LT(error_m(turned, "corrected"), error_m(straight, "corrected") + 0.005);
   EXPECT_LT(error_m(turned, "range_bearing"), error_m(straight, "range_bearing") + 0.005);
-  std::vector<CheckRow> rows = read_beside<TrackingSummary>(folder / "turned")->checks;
+  std::vector<CheckRow> rows = read_json_file<TrackingSummary>(folder / "turned")->checks;
   std::erase_if(rows, [](const CheckRow& row) { return row.what != "turned"; });
   ASSERT_EQ(rows.size(), calibration.sensors.size());
   EXPECT_NEAR(rows[1].value, 0.07, 0.02);

@@ -53,7 +53,7 @@ TEST(Tracking, ExchangedSidesAreFoundAndPutRight) {
     if (cell.group != kAverageGroup) {
       EXPECT_LT(cell.max_m, 0.05) << cell.group;  // nor at the ends of stretches
     }
-  const auto tracking = read_beside<TrackingSummary>(folder / "repaired");
+  const auto tracking = read_json_file<TrackingSummary>(folder / "repaired");
   ASSERT_TRUE(tracking && tracking->repaired);
   double found = 0.0;
   for (const CheckRow& row : tracking->checks) found += row.what == "sides exchanged" ? row.value : 0.0;
@@ -76,9 +76,9 @@ TEST(Tracking, AClockThatIsOffIsFoundAndCanBeCorrected) {
   Campaign campaign = simulate_into(folder / "campaign", synchronised(without_noise(walking_spec(2, 20.0))));
   for (Take& take : campaign.takes) take.mocap_start_host_ns += 80'000'000;  // stated 80 ms late
   const ResultsSummary checked = execute_study(study(kMean), campaign, folder / "checked", {});
-  const auto tracking = read_beside<TrackingSummary>(folder / "checked");
+  const auto tracking = read_json_file<TrackingSummary>(folder / "checked");
   ASSERT_EQ(tracking->clocks.size(), 2u);
-  for (const ClockRow& row : tracking->clocks) {
+  for (const ClockOffsetRow& row : tracking->clocks) {
     EXPECT_EQ(row.status, "found");
     EXPECT_FALSE(row.applied);
     EXPECT_NEAR(row.offset_s, 0.080, 5e-4);
@@ -88,9 +88,9 @@ TEST(Tracking, AClockThatIsOffIsFoundAndCanBeCorrected) {
   const ResultsSummary moved =
       execute_study(study(std::string(R"("clock": "motion", )") + kMean), campaign, folder / "moved", {});
   EXPECT_LT(mae_m(moved, "mean", "wrist"), 0.001);
-  EXPECT_TRUE(read_beside<TrackingSummary>(folder / "moved")->clocks[0].applied);
+  EXPECT_TRUE(read_json_file<TrackingSummary>(folder / "moved")->clocks[0].applied);
   execute_study(study(std::string(R"("clock": "stated", )") + kMean), campaign, folder / "stated", {});
-  EXPECT_TRUE(read_beside<TrackingSummary>(folder / "stated")->clocks.empty());
+  EXPECT_TRUE(read_json_file<TrackingSummary>(folder / "stated")->clocks.empty());
 }
 
 TEST(Tracking, AClockThatMotionDoesNotTellStaysAsStatedWithANote) {

@@ -111,14 +111,14 @@ std::string difference(const SessionReader& session) {
   return "";
 }
 
-struct Outcome {
+struct ItemResult {
   std::string problem;  // empty: nothing was lost
   bool complete = false, nothing_written = false;
 };
 
 // A log that its process left becomes a session first. `safe`: bytes that were in its file.
-Outcome examine(const Trial& trial, std::uint64_t safe) {
-  Outcome outcome;
+ItemResult examine(const Trial& trial, std::uint64_t safe) {
+  ItemResult outcome;
   outcome.nothing_written = safe == 0;
   const std::filesystem::path log = log_name(trial.session);
   try {
@@ -164,9 +164,9 @@ std::pair<std::uint64_t, std::string> record_apart(const Trial& trial) {
   return {safe, ""};
 }
 
-Outcome run(const Trial& trial) {
+ItemResult run(const Trial& trial) {
   const auto [safe, problem] = record_apart(trial);
-  return problem.empty() ? examine(trial, safe) : Outcome{problem, false, false};
+  return problem.empty() ? examine(trial, safe) : ItemResult{problem, false, false};
 }
 
 void remove_files(const Trial& trial) {
@@ -180,7 +180,7 @@ double seconds_of_a_whole_recording(const std::filesystem::path& folder) {
   const auto start = std::chrono::steady_clock::now();
   const auto [safe, problem] = record_apart(trial);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Outcome outcome = examine(trial, safe);
+  const ItemResult outcome = examine(trial, safe);
   if (!problem.empty() || !outcome.problem.empty() || !outcome.complete)
     throw InputError("an undisturbed recording", problem + outcome.problem);
   return seconds;
@@ -200,7 +200,7 @@ int torture(int kills, int full_disks, std::uint64_t seed, const std::filesystem
     else
       trial.file_limit_bytes = static_cast<rlim_t>(draw * static_cast<double>(whole_bytes));
     remove_files(trial);  // an earlier torture was killed itself
-    const Outcome outcome = run(trial);
+    const ItemResult outcome = run(trial);
     complete += outcome.complete;
     empty += outcome.nothing_written;
     if (!outcome.problem.empty()) {

@@ -19,7 +19,7 @@ constexpr double kDriftSigmas = 4.0;
 constexpr std::int64_t kDriftDivisor = 1000;                 // the same, of the time between two frames
 constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
 constexpr Duration kMaxAgentDeviation{20'000'000};
-constexpr Duration kMaxStep{100'000'000};     // of lateness from one frame to the next
+constexpr Duration kMaxStep{100'000'000};     // of arrival_delay from one frame to the next
 constexpr Duration kMinEpoch{2'000'000'000};  // shorter ones may be frames that came late together
 constexpr Duration kMinDriftCheck{5'000'000'000}, kMinDriftSpan{10'000'000'000};
 constexpr Duration kWindow{10'000'000'000};
@@ -51,7 +51,7 @@ struct ArrivalStamp {
   SensorTime device;
   HostTime arrival;
 
-  Duration lateness() const { return {arrival.ns - device.ns}; }
+  Duration arrival_delay() const { return {arrival.ns - device.ns}; }
 };
 
 // Lower convex hull of (device, arrival); frames that do not rise on the sensor's clock are left out.
@@ -63,8 +63,8 @@ class ArrivalEnvelope {
     const auto turns_up = [](const ArrivalStamp& a, const ArrivalStamp& b, const ArrivalStamp& c) {
       const double ab = static_cast<double>((b.device - a.device).ns);
       const double ac = static_cast<double>((c.device - a.device).ns);
-      const double lag_b = static_cast<double>((b.lateness() - a.lateness()).ns);
-      const double lag_c = static_cast<double>((c.lateness() - a.lateness()).ns);
+      const double lag_b = static_cast<double>((b.arrival_delay() - a.arrival_delay()).ns);
+      const double lag_c = static_cast<double>((c.arrival_delay() - a.arrival_delay()).ns);
       return lag_b * ac < lag_c * ab;
     };
     while (hull_.size() >= 2 && !turns_up(hull_[hull_.size() - 2], hull_.back(), stamp)) hull_.pop_back();
@@ -79,7 +79,7 @@ class ArrivalEnvelope {
     while (right + 1 < hull_.size() && hull_[right].device < middle) ++right;
     const ArrivalStamp& a = hull_[right - 1];
     const ArrivalStamp& b = hull_[right];
-    const double lag_ns = static_cast<double>((b.lateness() - a.lateness()).ns);
+    const double lag_ns = static_cast<double>((b.arrival_delay() - a.arrival_delay()).ns);
     return {a.device, a.arrival, lag_ns / static_cast<double>((b.device - a.device).ns)};
   }
   // The line of this drift that no frame lies under.
@@ -124,7 +124,7 @@ struct TickEpoch {
 bool is_continuous(const ArrivalStamp& a, const ArrivalStamp& b) {
   const std::int64_t gap_ns =
       std::min(std::abs((b.device - a.device).ns), std::abs((b.arrival - a.arrival).ns));
-  return std::abs((b.lateness() - a.lateness()).ns) <= kMaxStep.ns + gap_ns / kDriftDivisor;
+  return std::abs((b.arrival_delay() - a.arrival_delay()).ns) <= kMaxStep.ns + gap_ns / kDriftDivisor;
 }
 
 // Parts a sensor's frames, in the order of the recording, where ticks and arrivals no longer go together.
@@ -156,7 +156,7 @@ class TickEpochs {
 
  private:
   static bool is_later(const ArrivalStamp& a, const ArrivalStamp& b) {
-    const Duration more = a.lateness() - b.lateness();
+    const Duration more = a.arrival_delay() - b.arrival_delay();
     return more > Duration{} && more < kMinEpoch;
   }
 
@@ -197,15 +197,15 @@ std::int64_t outside_ns(const SensorEpoch& epoch, SensorTime t) {
   return std::max({std::int64_t{0}, (epoch.first - t).ns, (t - epoch.last).ns});
 }
 
-// The largest lateness that all frames of some ten seconds have.
+// The largest arrival_delay that all frames of some ten seconds have.
 void find_deviation(StampEvidence& evidence, const std::vector<FrameStamp>& stamps,
-                    const std::vector<Duration>& lateness) {
+                    const std::vector<Duration>& arrival_delay) {
   for (std::size_t first = 0, end = 0; first < stamps.size(); first = end) {
     while (end < stamps.size() && stamps[end].arrival_ns - stamps[first].arrival_ns < kWindow.ns) ++end;
     end = std::max(end, first + 1);
     if (end - first < kMinWindowFrames) continue;
-    const Duration least = *std::min_element(lateness.begin() + static_cast<std::ptrdiff_t>(first),
-                                             lateness.begin() + static_cast<std::ptrdiff_t>(end));
+    const Duration least = *std::min_element(arrival_delay.begin() + static_cast<std::ptrdiff_t>(first),
+                                             arrival_delay.begin() + static_cast<std::ptrdiff_t>(end));
     if (least <= evidence.deviation) continue;
     evidence.deviation = least;
     evidence.deviation_after = {stamps[first].arrival_ns - stamps[0].arrival_ns};
@@ -214,18 +214,19 @@ void find_deviation(StampEvidence& evidence, const std::vector<FrameStamp>& stam
 
 StampEvidence fit_report(const SensorClockMap& map, const std::vector<FrameStamp>& stamps) {
   StampEvidence evidence;
-  std::vector<Duration> lateness;
+  std::vector<Duration> arrival_delay;
   for (const FrameStamp& stamp : stamps) {
     const OffsetUncertainty uncertainty = map.agent.uncertainty({stamp.arrival_ns});
     evidence.uncertainty = {std::max(evidence.uncertainty.sigma_ns, uncertainty.sigma_ns),
                             std::max(evidence.uncertainty.bound_ns, uncertainty.bound_ns),
                             std::max(evidence.uncertainty.outside, uncertainty.outside)};
-    lateness.push_back(map.agent({stamp.arrival_ns}) - (map(stamp) + map.latency));
+    arrival_delay.push_back(map.agent({stamp.arrival_ns}) - (map(stamp) + map.latency));
   }
-  find_deviation(evidence, stamps, lateness);
+  find_deviation(evidence, stamps, arrival_delay);
   const auto quantile = [&](std::size_t percent) {
-    const auto at = lateness.begin() + static_cast<std::ptrdiff_t>((lateness.size() - 1) * percent / 100);
-    std::nth_element(lateness.begin(), at, lateness.end());
+    const auto at =
+        arrival_delay.begin() + static_cast<std::ptrdiff_t>((arrival_delay.size() - 1) * percent / 100);
+    std::nth_element(arrival_delay.begin(), at, arrival_delay.end());
     return *at;
   };
   evidence.lateness_median = quantile(50);

@@ -20,7 +20,7 @@ struct SensorEpoch {
   ClockMap<HostClock, SensorClock> line;
 };
 
-// What the frames themselves say of the fit, at their worst.
+// Evidence of the frames on the fit, at their worst.
 struct StampEvidence {
   OffsetUncertainty uncertainty;  // each number's own worst
   Duration lateness_median, lateness_p99;
@@ -40,7 +40,7 @@ struct SensorClockMap {
   // arrivals.
   std::function<HostTime(AgentTime)> live = {};
 
-  // Of several epochs that which the stamps fit best.
+  // By the epoch that the stamps fit best.
   HostTime operator()(const FrameStamp& stamp) const;
   // By the epoch that holds `t`, or lies nearest: enough where the sensor was never restarted.
   HostTime operator()(SensorTime t) const;
@@ -57,7 +57,7 @@ using EachStamp = std::function<void(const std::function<void(const FrameStamp&)
 SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp& each_stamp,
                                 std::span<const ClockExchange> exchanges, const std::string& place);
 
-// Of a recorded sensor, by its body frames, or its depth frames where there are no bodies.
+// Clock of a recorded sensor, by its body frames, or its depth frames where there are no bodies.
 SensorClockMap fit_sensor_clock(const SessionReader& session, std::size_t sensor);
 
 }  // namespace trilat

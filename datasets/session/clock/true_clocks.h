@@ -14,8 +14,8 @@ struct TrueClocks {
   ClockMap<HostClock, AgentTag> host_from_agent;
 };
 
-// Those that truth.json beside a simulated session states; nothing where there is none. InputError for a
-// sensor that it does not name.
+// True clocks that truth.json beside a simulated session states; nothing where there is none. InputError for
+// a sensor that it does not name.
 std::optional<TrueClocks> true_clocks(const SessionReader& session, const std::string& sensor);
 
 }  // namespace trilat

@@ -72,8 +72,8 @@ HWY_INLINE void CastPlanes(const std::vector<ViewPlane>& planes, const RayRow& r
   }
 }
 
-// Where rays meet a sphere about the origin, from `start` on; `inside` is negative when they do not. From the
-// ray's nearest point: nothing large cancels.
+// Points at which rays meet a sphere about the origin, from `start` on; `inside` is negative when they do
+// not. From the ray's nearest point: nothing large cancels.
 HWY_INLINE void IntersectSphere(const Floats3& start, const Rays& rays, Floats radius, Floats& inside,
                                 Floats& depth) {
   const Floats to_nearest = hn::Neg(Dot(start, rays.ray)) * rays.inverse_square;

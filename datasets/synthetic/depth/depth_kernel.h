@@ -10,9 +10,9 @@
 
 namespace trilat {
 
-// What the depth renderer hands to its vector code.
+// Arguments of the depth renderer's vector code.
 
-// Where pixels lie in a padded image: a row above and below and a few columns on either side, so that vectors
+// Layout of a padded image: a row above and below and a few columns on either side, so that vectors
 // and neighbours need no special case at the border.
 struct DepthLayout {
   static constexpr int kPad = 16;  // columns; the widest vector of floats

@@ -107,7 +107,7 @@ HWY_INLINE void NormalsOf(Words a, Words b, Floats& first, Floats& second) {
   second = radius * sine;
 }
 
-// Of numbers in [0, 1]; within 2e-8 (Abramowitz and Stegun 4.4.46).
+// Arc cosine of numbers in [0, 1], within 2e-8 (Abramowitz and Stegun 4.4.46).
 HWY_INLINE Floats ArcCosine(Floats x) {
   static constexpr float kArcCosine[] = {-0.0012624911f, 0.0066700901f, -0.0170881256f, 0.0308918810f,
                                          -0.0501743046f, 0.0889789874f, -0.2145988016f, 1.5707963050f};

@@ -33,7 +33,7 @@ struct DepthNoiseSpec {
 // No noise, no offset, no lost pixels from 1 mm to 65 m; depths are rounded to millimetres as ever.
 DepthNoiseSpec noise_free_depth();
 
-// What is constant in one unit: measured = true + offset + amplitude sin(2 pi true / length + phase).
+// Constants of one unit: measured = true + offset + amplitude sin(2 pi true / length + phase).
 struct DepthUnit {
   double offset_m = 0.0;
   double wiggle_amplitude_m = 0.0;
@@ -57,7 +57,8 @@ class DepthRenderer {
   // with the neighbour that differs most; next to nothing it keeps its depth when it is not lost.
   void render(const DepthScene& scene, const RigidTransform& world_from_sensor, const RandomStream& frame_key,
               std::span<std::uint16_t> depth_mm) const;
-  // The same geometry without noise, offset, losses or rounding: metres along z, NaN where nothing is seen.
+  // Renders the geometry without noise, offset, losses or rounding: metres along z, NaN where nothing is
+  // seen.
   void render_exact(const DepthScene& scene, const RigidTransform& world_from_sensor,
                     std::span<float> depth_m) const;
 

@@ -25,7 +25,7 @@ Joints joints_of(std::initializer_list<Joint> list) {
   return joints;
 }
 
-// Whose own a surface is.
+// Joints that a bone's surface belongs to: it does not hide them.
 Joints owners_of(Joint parent, Joint end) {
   using enum Joint;
   static const Joints hands[] = {joints_of({wrist_left, hand_left, hand_tip_left, thumb_left}),

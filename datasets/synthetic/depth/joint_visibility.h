@@ -32,7 +32,7 @@ class JointVisibility {
   // Depth of the person's nearest surface along a pixel's ray; nothing where there is none.
   std::optional<double> depth_m(int column, int row);
 
-  // Of the pixels about a joint that meet its own surfaces, the share that meets nothing else 1 mm before:
+  // Share of the pixels about a joint that meet its own surfaces and nothing else 1 mm before:
   // the middle and four about it, half of the limb's radius across and down: a thin limb in front covers few.
   // 1 when none of them meets an own surface.
   double visible_share(Joint joint);

@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 
 constexpr double kHeadRadius_m = 0.10;
 
-// Of a body of normal build with clothes on; the bone is named by its end away from the pelvis.
+// Radius of a limb of normal build with clothes on; the bone is named by its end away from the pelvis.
 double bone_radius_m(Joint end) {
   switch (end) {
     case Joint::spine_mid:

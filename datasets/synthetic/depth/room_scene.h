@@ -10,7 +10,7 @@
 
 namespace trilat {
 
-// What virtual depth sensors look at, in the world's frame, metres. The nearest surface along a ray is seen;
+// Scene of virtual depth sensors, in the world's frame, metres. The nearest surface along a ray is seen;
 // nothing there (or nothing in range) is an invalid pixel.
 struct ScenePlane {  // unit normal, towards the side that is seen from; normal . x = offset
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();

@@ -11,7 +11,7 @@
 
 namespace trilat {
 
-// What a tracker says of one frame, and the truth that only the simulator knows.
+// Bodies of a tracker in one frame, and the truth that only the simulator knows.
 struct TrackedFrame {
   std::optional<Body> body;         // nothing while the person is not tracked
   std::bitset<kJointCount> hidden;  // joints of the person, not of the body, that are in view but hidden

@@ -255,10 +255,10 @@ Json declared_body_tracker() {
 
 const BodyTrackerSpec& default_body_tracker() { return declared().spec; }
 
-std::vector<DeclaredParameter> tracker_parameters(const BodyTrackerSpec& spec) {
+std::vector<SimulationAssumption> tracker_parameters(const BodyTrackerSpec& spec) {
   const Declared& known = declared();
   std::map<std::string, std::string> usual;
-  std::vector<DeclaredParameter> list;
+  std::vector<SimulationAssumption> list;
   BodyTrackerSpec::fields(
       known.spec, [&](const char* key, const auto& value, const Range&) { usual[key] = value_text(value); });
   BodyTrackerSpec::fields(spec, [&](const char* key, const auto& value, const Range&) {

@@ -29,14 +29,14 @@ struct BodyTrackerSpec {
     void read(const Json& json, const JsonPlace& place, const About& about);
     static Json schema(const About& about);
   };
-  // What is systematic, fixed in the body's own frame: the same for all sensors; what goes with the direction
+  // Systematic errors, fixed in the body's own frame, in three parts: shared by all sensors; by the direction
   // from which a sensor sees the body, as sine and cosine of its azimuth; of each sensor by itself.
   Groups bias_sigma_m{}, view_bias_sigma_m{}, own_bias_sigma_m{};
-  // What changes while the joint moves, in the same three parts: AR(1) along the joint's path.
+  // Errors that change while the joint moves, in the same three parts: AR(1) along the joint's path.
   Groups drift_sigma_m{}, view_drift_sigma_m{}, own_drift_sigma_m{};
   Groups jitter_sigma_m{};        // white
   Groups jump_rate_per_minute{};  // of one joint
-  // What hidden joints are off by more, which goes with the direction of view.
+  // Additional error of hidden joints, which goes with the direction of view.
   Groups inferred_error_sigma_m{};
   double drift_path_m = 0.0;  // in which the drift's correlation falls by e
   // How the sum of bias, drift and jitter splits: sigma along the ray over sigma across it, the total kept.
@@ -86,6 +86,6 @@ const BodyTrackerSpec& default_body_tracker();
 // The document that declares them, with units, sources and intervals.
 Json declared_body_tracker();
 // A declared value as text, with what it rests on; a value that is not the default says that it was set.
-std::vector<DeclaredParameter> tracker_parameters(const BodyTrackerSpec& spec);
+std::vector<SimulationAssumption> tracker_parameters(const BodyTrackerSpec& spec);
 
 }  // namespace trilat

@@ -20,11 +20,11 @@ struct TrackerKey {
   std::uint64_t sensor = 0;  // below 64
 
   RandomStream stream(Purpose purpose, std::uint64_t part, std::uint64_t frame) const;
-  // Of the part of a tracker's errors that all sensors share.
+  // Random numbers of the errors that all sensors share.
   TrackerKey shared_stream() const;
-  // The same for all sensors, and for a participant in all takes.
+  // Random numbers that are the same for all sensors, and for a participant in all takes.
   RandomStream body_stream(Purpose purpose, std::uint64_t joint) const;
-  // Of this sensor, for a participant in all takes.
+  // Random numbers of this sensor, for a participant in all takes.
   RandomStream sensor_stream(Purpose purpose, std::uint64_t joint) const;
 };
 
@@ -46,7 +46,7 @@ struct ViewDependentError {
   Eigen::Vector3d seen_from(double azimuth_rad) const;
 };
 
-// Where one sensor's tracker puts a person's joints, frame by frame: the truth with lag, systematic error,
+// Joints of a person as one sensor's tracker puts them, frame by frame: the truth with lag, systematic error,
 // drift, jitter, jumps, and what is added while a joint is hidden.
 class JointErrors {
  public:

@@ -178,7 +178,7 @@ NamedPoints correspondences(const Take& take) {
                   names_text(names_of(ways.front()))));
 }
 
-std::vector<std::string> points_left_out(const Take& take, const std::vector<std::string>& names) {
+std::vector<std::string> unmatched_points(const Take& take, const std::vector<std::string>& names) {
   std::vector<std::string> left_out;
   if (!take.mapping.empty())
     for (const NamedPoint& point : read_points(take.mapping))
@@ -187,7 +187,7 @@ std::vector<std::string> points_left_out(const Take& take, const std::vector<std
   return {fmt::format("names {} that are in none of the files, and not compared", names_text(left_out))};
 }
 
-void look_into_external(PlannedTake& planned, const StudySpec& study) {
+void open_external_take(PlannedTake& planned, const StudySpec& study) {
   const Take& take = planned.take;
   planned.points = correspondences(take);
   const MocapTake positions = read_markers(take.mocap);
@@ -265,9 +265,10 @@ void points_at(const ExternalTrack& external, double since_s, std::span<Eigen::V
   external.track.at(MocapTime{} + duration_from_s(since_s - external.offset_s - external.first_s), points);
 }
 
-MethodPaths paths_of(const Plan& plan, const ExternalTrack& external, const std::vector<double>& since_s) {
+MethodTrajectories paths_of(const Plan& plan, const ExternalTrack& external,
+                            const std::vector<double>& since_s) {
   const std::size_t count = plan.names.size();
-  MethodPaths paths{external.method, count, std::vector<PathPoint>(since_s.size() * count)};
+  MethodTrajectories paths{external.method, count, std::vector<TrajectoryPoint>(since_s.size() * count)};
   std::vector<Eigen::Vector3d> points(count);
   for (std::size_t i = 0; i < since_s.size(); ++i) {
     points_at(external, since_s[i], points);

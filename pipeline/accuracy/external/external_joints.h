@@ -25,10 +25,10 @@ MocapTake read_markers(const std::filesystem::path& file);
 NamedPoints correspondences(const Take& take);
 
 // One note that names the mapped points that no file brings; empty when a file brings every point.
-std::vector<std::string> points_left_out(const Take& take, const std::vector<std::string>& names);
+std::vector<std::string> unmatched_points(const Take& take, const std::vector<std::string>& names);
 
 // A take without a session: its points, its instants on the mocap's clock, and which axis is up.
-void look_into_external(PlannedTake& planned, const StudySpec& study);
+void open_external_take(PlannedTake& planned, const StudySpec& study);
 
 // The points of a take without a session, as its mocap has them.
 MarkerTrack truth_of_points(const Plan& plan, const PlannedTake& planned);
@@ -53,6 +53,7 @@ std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planne
                                      ExternalTrack& external);
 
 // The external positions as paths of their method, at times in seconds since the first instant.
-MethodPaths paths_of(const Plan& plan, const ExternalTrack& external, const std::vector<double>& since_s);
+MethodTrajectories paths_of(const Plan& plan, const ExternalTrack& external,
+                            const std::vector<double>& since_s);
 
 }  // namespace trilat

@@ -93,7 +93,7 @@ Method resolve(const MethodSpec& spec, const std::vector<std::string>& rig) {
 }
 
 // The methods of one entry of the study: itself, or one for each set of sensors.
-std::vector<MethodSpec> one_a_set(const MethodSpec& spec, const std::vector<std::string>& rig) {
+std::vector<MethodSpec> expand_sensor_sets(const MethodSpec& spec, const std::vector<std::string>& rig) {
   const bool is_each_single = spec.kind->sensors == 1 && spec.sensors.empty();
   const std::size_t size = is_each_single ? 1 : spec.each;
   if (size == 0) return {spec};
@@ -123,7 +123,7 @@ std::vector<MethodSpec> one_a_set(const MethodSpec& spec, const std::vector<std:
 std::vector<Method> resolve_methods(const StudySpec& spec, const std::vector<std::string>& rig) {
   std::vector<Method> methods;
   for (const MethodSpec& m : spec.methods)
-    for (const MethodSpec& one : one_a_set(m, rig)) methods.push_back(resolve(one, rig));
+    for (const MethodSpec& one : expand_sensor_sets(m, rig)) methods.push_back(resolve(one, rig));
   std::vector<std::string> names;
   for (const Method& method : methods) names.push_back(method.spec.name);
   if (const std::string twice = first_duplicate(names); !twice.empty())
@@ -159,8 +159,8 @@ void evaluate(const Method& method, std::span<const JointInstant> instants,
   for (std::size_t i = 0; i < instants.size(); ++i) estimates[i] = evaluate(method, instants[i]);
 }
 
-std::optional<SolveStatus> silence_on(const std::vector<RigidTransform>& world_from_sensor,
-                                      const Method& method) {
+std::optional<SolveStatus> status_if_never_solved(const std::vector<RigidTransform>& world_from_sensor,
+                                                  const Method& method) {
   if (is_over_time(method)) return std::nullopt;
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
   for (const RigidTransform& sensor : world_from_sensor)

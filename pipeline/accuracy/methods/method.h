@@ -50,15 +50,15 @@ SensorMask sensors_of(const Method& method, const JointInstant& instant);
 
 // How a method ends that answers nothing on this rig, even where every sensor sees a joint without any error;
 // nothing when it answers, or works over time.
-std::optional<SolveStatus> silence_on(const std::vector<RigidTransform>& world_from_sensor,
-                                      const Method& method);
+std::optional<SolveStatus> status_if_never_solved(const std::vector<RigidTransform>& world_from_sensor,
+                                                  const Method& method);
 
 // Methods that need whole paths; the others take every instant by itself.
 bool is_over_time(const Method& method);
 
 [[nodiscard]] PointEstimate evaluate(const Method& method, const JointInstant& instant);
 
-// The same for many: iterative methods solve them side by side. `estimates` has one slot an instant.
+// Evaluates many instants: iterative methods solve them side by side. `estimates` has one slot an instant.
 // InternalError for a method over time.
 void evaluate(const Method& method, std::span<const JointInstant> instants,
               std::span<PointEstimate> estimates);

@@ -259,7 +259,7 @@ const MethodKind& external_kind() {
       .what = "joints that another method or system gave",
       .source = "the take's file",
       .needs_ranges = false,
-      .over_time = [](const Method&, const SeenInTime&, const OverTimeCalls&, MethodPaths&) {}};
+      .over_time = [](const Method&, const TrajectoryInput&, const OverTimeCalls&, MethodTrajectories&) {}};
   return kind;
 }
 

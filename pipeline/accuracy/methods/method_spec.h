@@ -46,7 +46,7 @@ struct MethodSpec {
   RangeBearingOptions range_bearing;
   MeanOptions mean;                 // without its sensors
   bool sigma_is_estimated = false;  // range_bearing: from the take itself, without truth
-  // How the sensors stand and measure is corrected by what the take shows of it, without truth.
+  // Poses and range offsets are estimated again from the take itself, without ground truth, without truth.
   bool calibration_is_estimated = false;
   KalmanOptions kalman;       // of kalman and rts
   BoneSmootherOptions bones;  // of window
@@ -59,7 +59,7 @@ struct MethodSpec {
 // Whether the method needs to know which joints are hidden.
 inline bool asks_for_hidden(const MethodSpec& spec) { return spec.occlusion == OcclusionRule::hidden; }
 
-// Where a setting comes from: from the study or calibration, or from the take itself.
+// Source of a setting: the study or calibration, or the take itself.
 inline const std::vector<std::string> kStatedOrEstimated{"stated", "estimated"};
 
 }  // namespace trilat

@@ -26,13 +26,14 @@ std::vector<Joint> joints_with_bones(std::span<const Joint> asked) {
   return joints;
 }
 
-PathPoint point_of(const PointEstimate& estimate) {
+TrajectoryPoint point_of(const PointEstimate& estimate) {
   return {estimate.position_m, estimate.status, estimate.iterations};
 }
 
 }  // namespace
 
-void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCalls&, MethodPaths& paths) {
+void solve_joints(const Method& method, const TrajectoryInput& seen, const OverTimeCalls&,
+                  MethodTrajectories& paths) {
   parallel_for_index(seen.joints.size(), 1, [&](std::size_t j) {
     const JointPath path{seen.time_ns, seen.sensors,
                          [&](std::size_t instant, std::span<JointObservation> observations) {
@@ -44,15 +45,15 @@ void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCa
   });
 }
 
-void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
-                 MethodPaths& paths) {
+void solve_bones(const Method& method, const TrajectoryInput& seen, const OverTimeCalls& calls,
+                 MethodTrajectories& paths) {
   const std::vector<Joint> joints = joints_with_bones(seen.joints);
   // How many passes it takes is not known before; an hour of simulated walking takes 134.
   constexpr double kHalfwayPasses = 60.0;
   const auto instants = static_cast<double>(seen.time_ns.size());
   double observed = 0.0;
   std::size_t reported = 0;
-  const auto tell = [&] {
+  const auto report = [&] {
     if (calls.must_stop && calls.must_stop()) throw Interrupted();
     const double passes = observed / (instants * static_cast<double>(joints.size()));
     const auto done = static_cast<std::size_t>(instants * passes / (passes + kHalfwayPasses));
@@ -60,7 +61,7 @@ void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCal
   };
   const BodyPath path{seen.time_ns, joints, seen.sensors,
                       [&](std::size_t instant, std::size_t joint, std::span<JointObservation> observations) {
-                        if (instant % 1024 == 0) tell();
+                        if (instant % 1024 == 0) report();
                         observed += 1.0;
                         seen.observe(instant, joints[joint], observations);
                       }};

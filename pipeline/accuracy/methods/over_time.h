@@ -10,18 +10,18 @@
 
 namespace trilat {
 
-struct PathPoint {
+struct TrajectoryPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Constant(kNaN);
   SolveStatus status = SolveStatus::not_solved;
   int iterations = 0;
 };
 
 // The answers of one method over time for one take, by instant and joint.
-struct MethodPaths {
+struct MethodTrajectories {
   std::size_t method = 0;
   std::size_t joints = 0;
-  std::vector<PathPoint> points;
-  const PathPoint& at(std::size_t instant, std::size_t joint) const {
+  std::vector<TrajectoryPoint> points;
+  const TrajectoryPoint& at(std::size_t instant, std::size_t joint) const {
     return points[instant * joints + joint];
   }
 };
@@ -33,7 +33,7 @@ struct OverTimeCalls {
 };
 
 // A take as a method over time sees it.
-struct SeenInTime {
+struct TrajectoryInput {
   std::span<const std::int64_t> time_ns;  // of the instants
   std::size_t sensors = 0;
   std::span<const Joint> joints;  // that are asked for
@@ -41,13 +41,13 @@ struct SeenInTime {
   std::function<void(std::size_t instant, Joint joint, std::span<JointObservation> observations)> observe;
 };
 
-using OverTimeSolver = void (*)(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
-                                MethodPaths& paths);
+using OverTimeSolver = void (*)(const Method& method, const TrajectoryInput& seen, const OverTimeCalls& calls,
+                                MethodTrajectories& paths);
 // Each joint by itself.
-void solve_joints(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
-                  MethodPaths& paths);
+void solve_joints(const Method& method, const TrajectoryInput& seen, const OverTimeCalls& calls,
+                  MethodTrajectories& paths);
 // All joints together, which takes long. Throws Interrupted when asked to stop.
-void solve_bones(const Method& method, const SeenInTime& seen, const OverTimeCalls& calls,
-                 MethodPaths& paths);
+void solve_bones(const Method& method, const TrajectoryInput& seen, const OverTimeCalls& calls,
+                 MethodTrajectories& paths);
 
 }  // namespace trilat

@@ -25,14 +25,14 @@ enum class TruthSource : std::uint8_t { automatic, mocap, left_out_sensor, nothi
 template <>
 inline constexpr std::array words<TruthSource>{"auto", "mocap", "left_out_sensor"};
 
-// What a sensor says at an instant: between the frames before and behind it, which only an offline evaluation
-// has, or the newest frame that the recorder had by then, held, as a live system has it.
+// Frames of a sensor that count at an instant: those around it before and behind it, which only an offline
+// evaluation has, or the newest frame that the recorder had by then, held, as a live system has it.
 enum class FrameChoice : std::uint8_t { interpolated, newest };
 template <>
 inline constexpr std::array words<FrameChoice>{"interpolated", "newest"};
 
-// Whose sensor poses: those that the takes state; or by the campaign's wand, all its places refined together,
-// or the paper's two (eq. 6 and 7), corrected or as printed.
+// Source of the sensor poses: what the takes state; or by the campaign's wand, all its places refined
+// together, or the paper's two (eq. 6 and 7), corrected or as printed.
 enum class PoseSource : std::uint8_t { stated, wand, two_positions, printed };
 template <>
 inline constexpr std::array words<PoseSource>{"stated", "wand", "two_positions", "printed"};

@@ -12,7 +12,7 @@
 namespace trilat {
 namespace {
 
-// From head to foot; what is named otherwise comes behind.
+// Order of the panels, from head to foot; other joints follow.
 constexpr std::array<std::string_view, 7> kFromHeadToFoot{"head", "shoulder", "elbow", "wrist",
                                                           "hip",  "knee",     "ankle"};
 
@@ -33,7 +33,7 @@ std::vector<std::string> first_groups(std::vector<std::string> groups) {
 Figure methods_figure(const ResultsSummary& s, const std::string& condition) {
   const std::string& alignment = s.alignments.front();
   Figure figure;
-  figure.id = usable_id("errors-" + (condition.empty() ? "all" : condition));
+  figure.id = file_name_from("errors-" + (condition.empty() ? "all" : condition));
   figure.title = "Mean error by method and joint";
   figure.caption = fmt::format("{} {}, {} participant{}: mean error with its 95 % interval, alignment {}.",
                                s.simulated ? "Simulated" : "Recorded", condition, s.participants,
@@ -76,7 +76,7 @@ std::vector<Figure> sensor_counts_figures(const ResultsSummary& s) {
   std::vector<Figure> figures;
   for (const std::string& condition : s.conditions) {
     Figure figure;
-    for (const MethodFamily& family : s.families) {
+    for (const SensorSetGroup& family : s.families) {
       const Number* e = find_family(s, family.name, condition);
       const std::string end = fmt::format(", {} sensors", family.sensors);
       if (!e || !family.name.ends_with(end)) continue;
@@ -90,7 +90,7 @@ std::vector<Figure> sensor_counts_figures(const ResultsSummary& s) {
                                 e->low * kCentimetresPerMetre, e->high * kCentimetresPerMetre});
     }
     if (figure.series.empty()) continue;
-    figure.id = usable_id(fmt::format("sensors-{}", condition));
+    figure.id = file_name_from(fmt::format("sensors-{}", condition));
     figure.title =
         fmt::format("Number of sensors, {}, {}{}", s.campaign, condition, s.simulated ? ", simulated" : "");
     figure.caption = fmt::format(

@@ -12,7 +12,7 @@
 
 namespace trilat {
 
-std::vector<std::string> answers_on_the_paper(const ResultsSummary& s) {
+std::vector<std::string> paper_comparison(const ResultsSummary& s) {
   constexpr const char* kCondition = "walking";
   if (s.left_out()) return {};
   // relative to the mean, as the paper has it
@@ -83,11 +83,11 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
       fmt::format("{} of {} takes, {} participant{}, {}.", s.takes - s.takes_failed, s.takes, s.participants,
                   s.participants == 1 ? "" : "s", s.simulated ? "**simulated** sensors" : "recorded sensors");
   shown.findings = accuracy_findings(s);
-  shown.on_the_paper = answers_on_the_paper(s);
+  shown.on_the_paper = paper_comparison(s);
   shown.warnings = accuracy_warnings(s);
   shown.legend = method_legend(s);
   if (s.left_out()) shown.sentences.push_back(truth_note(s));
-  const auto add = [&](std::vector<Table> tables, Table::Shown where) {
+  const auto add = [&](std::vector<Table> tables, Table::Placement where) {
     for (Table& table : tables) {
       table.shown = where;
       shown.tables.push_back(std::move(table));
@@ -95,17 +95,17 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   };
   std::vector<Table> articles = article_tables(s);
   for (Table& table : articles) add_cross_checks(s, table);
-  add(std::move(articles), Table::Shown::first);
-  add(takes_tables(s), Table::Shown::first);
-  add(table2(s), Table::Shown::detail);
-  add(accuracy_tables(s), Table::Shown::detail);
-  add(apart_tables(s), Table::Shown::file);
+  add(std::move(articles), Table::Placement::first);
+  add(takes_tables(s), Table::Placement::first);
+  add(table2(s), Table::Placement::detail);
+  add(accuracy_tables(s), Table::Placement::detail);
+  add(joint_tables_by_take(s), Table::Placement::file);
   if (tracking) {
-    add(prediction_tables(s), s.left_out() ? Table::Shown::first : Table::Shown::detail);
-    add(bound_tables(s, *tracking), Table::Shown::detail);
-    add(tracking_tables(*tracking), Table::Shown::detail);
+    add(prediction_tables(s), s.left_out() ? Table::Placement::first : Table::Placement::detail);
+    add(bound_tables(s, *tracking), Table::Placement::detail);
+    add(tracking_tables(*tracking), Table::Placement::detail);
   }
-  if (tracking && !tracking->checks.empty()) add({checks_table(*tracking)}, Table::Shown::file);
+  if (tracking && !tracking->checks.empty()) add({checks_table(*tracking)}, Table::Placement::file);
   return shown;
 }
 

@@ -57,7 +57,7 @@ Table bodies_table(const ResultsSummary& summary, const std::string& condition);
 
 // Each joint of each take by method, under the study's first alignment: takes, participants, joints and sides
 // are group-bys of it.
-std::vector<Table> apart_tables(const ResultsSummary& summary);
+std::vector<Table> joint_tables_by_take(const ResultsSummary& summary);
 
 // Bias and 95 % limits of agreement by method, joint group and axis, under the alignments none and mean: a
 // table a condition.
@@ -87,7 +87,7 @@ std::vector<std::string> pose_lines(const std::vector<CheckRow>& checks);
 // out.
 std::vector<Table> prediction_tables(const ResultsSummary& summary);
 // One take's disagreement along and across the rays, in one line.
-std::string ray_text(const RayRow& row);
+std::string ray_text(const RayNoiseRow& row);
 
 // The summary as it is shown: without the methods that stand for one of several sets of sensors, which the
 // figure of numbers of sensors has together, and with one row for methods that answer alike everywhere, as
@@ -98,6 +98,6 @@ std::string row_name(const ResultsSummary& shown, const std::string& method);
 
 // Whether the paper's nonlinear trilateration beats the plain mean when walking, yes or no; what
 // trilateration reaches beside what the paper prints; what errs less; on which data.
-std::vector<std::string> answers_on_the_paper(const ResultsSummary& summary);
+std::vector<std::string> paper_comparison(const ResultsSummary& summary);
 
 }  // namespace trilat

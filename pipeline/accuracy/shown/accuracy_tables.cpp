@@ -29,7 +29,7 @@ bool has(const std::vector<std::string>& list, const std::string& name) {
 NumberKey statistic(const char* name) { return {.measure = "distance", .statistic = name}; }
 
 std::string id_of(const char* kind, const std::string& condition, const std::string& alignment) {
-  return usable_id(fmt::format("{}-{}{}", kind, condition.empty() ? "" : condition + "-", alignment));
+  return file_name_from(fmt::format("{}-{}{}", kind, condition.empty() ? "" : condition + "-", alignment));
 }
 
 // Rows by joint group and method, of which anything is asked.
@@ -118,7 +118,7 @@ Table article_table(const ResultsSummary& s, const std::string& condition, const
     columns.push_back({"answered (%)", "answered_percent",
                        in_percent([&](const Row& row) { return answered_share(s, condition, row.method); })});
   Table table = table_of<Row>(
-      usable_id("errors-" + (condition.empty() ? "all" : condition)),
+      file_name_from("errors-" + (condition.empty() ? "all" : condition)),
       {"Mean error in cm by joint and method, with its 95 % interval", about(s, condition, alignment)}, rows,
       columns);
   table.first_rows = leading;
@@ -179,7 +179,7 @@ Table bodies_table(const ResultsSummary& s, const std::string& condition) {
       rows.push_back(row);
   }
   Table table = table_of<Row>(
-      usable_id("bodies-" + condition), {"Whole bodies by method", about(s, condition, alignment)}, rows,
+      file_name_from("bodies-" + condition), {"Whole bodies by method", about(s, condition, alignment)}, rows,
       {{"method", "method", as_text(&Row::method)},
        {"instants", "instants",
         count_of(numbers, {.alignment = alignment, .measure = "mpjpe", .statistic = "mean"})},

@@ -31,7 +31,7 @@ Table angle_table(const ResultsSummary& s, const std::string& condition) {
       if (numbers.find(row.with(of_angle("mean_abs")))) rows.push_back(row);
     }
   Table table = table_of<NumberKey>(
-      usable_id("angles-" + condition),
+      file_name_from("angles-" + condition),
       {"Joint angles in degrees",
        fmt::format("{}, {}, {}", s.campaign, condition, s.simulated ? "simulated sensors" : "recorded")},
       rows,
@@ -82,7 +82,7 @@ std::vector<FigurePoint> dots_of(const ResultsSummary& s, const std::string& con
 // Difference against mean, a dot a take.
 Figure angle_figure(const ResultsSummary& s, const std::string& condition) {
   Figure figure;
-  figure.id = usable_id("agreement-of-angles-" + condition);
+  figure.id = file_name_from("agreement-of-angles-" + condition);
   figure.title = "Agreement of joint angles (Bland and Altman)";
   figure.caption = fmt::format(
       "{} {}: difference from the truth against the mean of both, a dot a take; lines: bias and 95 % limits "

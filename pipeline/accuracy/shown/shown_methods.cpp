@@ -9,7 +9,7 @@ namespace trilat {
 namespace {
 
 // Each single sensor is a row of the other tables.
-bool is_of_sets(const MethodFamily& family) { return family.sensors > 1; }
+bool is_of_sets(const SensorSetGroup& family) { return family.sensors > 1; }
 
 // The paper's own rows stay apart, since its numbers stand beside them.
 bool has_printed_row(const std::string& method) {
@@ -75,7 +75,7 @@ std::string row_name(const ResultsSummary& s, const std::string& method) {
 
 ResultsSummary shown_summary(ResultsSummary s) {
   std::set<std::string> members;
-  for (const MethodFamily& family : s.families)
+  for (const SensorSetGroup& family : s.families)
     if (is_of_sets(family) && family.methods.size() > 1)
       members.insert(family.methods.begin(), family.methods.end());
   members.erase(s.reference);

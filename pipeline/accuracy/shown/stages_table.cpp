@@ -67,7 +67,7 @@ std::vector<std::optional<ErrorChanges>> changes_of(const ResultsSummary& s, con
 
 Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vector<std::string>& stages) {
   Table table;
-  table.id = usable_id(of.activity.empty() ? "stages" : "stages-" + of.activity);
+  table.id = file_name_from(of.activity.empty() ? "stages" : "stages-" + of.activity);
   table.title =
       "Stage by stage: mean error in cm, average of the joint groups, and how it changes from the stage "
       "before";
@@ -97,7 +97,7 @@ Table stages_table(const ResultsSummary& s, const StagesOf& of, const std::vecto
 
 Figure stages_figure(const ResultsSummary& s, const StagesOf& of, const std::vector<std::string>& stages) {
   Figure figure;
-  figure.id = usable_id(of.activity.empty() ? "stages" : "stages-" + of.activity);
+  figure.id = file_name_from(of.activity.empty() ? "stages" : "stages-" + of.activity);
   figure.title = "Mean error stage by stage";
   figure.caption = fmt::format(
       "{}{}, {} participant{}: mean error over the joint groups with its 95 % interval, each stage with what "

@@ -50,7 +50,7 @@ Table takes_table(const ResultsSummary& s, const std::string& condition) {
   const BestMethod* found = find_best(s, condition, average_group(s));
   const std::string best = found ? found->method : s.reference;
   Table table;
-  table.id = usable_id("takes-" + condition);
+  table.id = file_name_from("takes-" + condition);
   table.title = "By take, the largest error first: mean error in cm of all joints";
   table.about = about(s, condition, s.alignments.front());
   table.columns = {{"take", "take", true}, {"participant", "participant", true}};
@@ -120,7 +120,7 @@ FileRow file_row(const ResultsSummary& s, const std::string& condition, const st
 
 }  // namespace
 
-std::vector<Table> apart_tables(const ResultsSummary& s) {
+std::vector<Table> joint_tables_by_take(const ResultsSummary& s) {
   const std::vector<TakeJointRow> rows = rows_by_take(s);
   if (rows.empty()) return {};
   using R = TakeJointRow;
@@ -161,7 +161,7 @@ Table files_table(const ResultsSummary& s, const std::string& condition) {
   }
   const auto bias = [](std::size_t axis) { return in_cm([=](const R& r) { return r.bias_m[axis]; }); };
   Table table = table_of<R>(
-      usable_id("files-" + condition),
+      file_name_from("files-" + condition),
       {"Mean error and bias over the joints that a method answers", about(s, condition, "")}, rows,
       {{"alignment", "alignment", as_text(&R::alignment)},
        {"method", "method", as_text(&R::method)},

@@ -28,7 +28,7 @@ ShownUnit shown_unit(const std::string& unit) {
 }
 
 Table clocks_table(const TrackingSummary& s) {
-  using R = ClockRow;
+  using R = ClockOffsetRow;
   const auto ms = [](double R::*seconds) {
     return [=](const R& r) { return r.*seconds * kMillisecondsPerSecond; };
   };
@@ -48,7 +48,7 @@ Table clocks_table(const TrackingSummary& s) {
 }
 
 Table rays_table(const TrackingSummary& s) {
-  using R = RayRow;
+  using R = RayNoiseRow;
   Table table =
       table_of<R>("rays", {"How sensors disagree along and across their rays", data_text(s)}, s.rays,
                   {{"take", "take", as_text(&R::take)},
@@ -146,7 +146,7 @@ std::vector<Table> tracking_tables(const TrackingSummary& s) {
   return tables;
 }
 
-std::string ray_text(const RayRow& row) {
+std::string ray_text(const RayNoiseRow& row) {
   if (!row.problem.empty()) return fmt::format("along/across the rays: not known, {}", row.problem);
   return fmt::format(
       "sensors disagree by {:.1f} cm along their rays and {:.1f} cm across, ratio {:.2f} ({:.2f} to {:.2f})",

@@ -20,7 +20,7 @@ MarkerTrack::MarkerTrack(MocapTake positions, std::vector<std::vector<std::size_
       longest_gap_(longest_gap),
       has_z_up_(has_z_up) {}
 
-// Where `after` is the first frame that is not before t.
+// Position of a marker; `after` is the first frame that is not before t.
 Eigen::Vector3d MarkerTrack::marker_at(std::size_t marker, std::size_t after, MocapTime t) const {
   const std::vector<Eigen::Vector3d>& position_m = positions_.position_m[marker];
   const auto is_near = [&](std::size_t frame) {

@@ -48,7 +48,7 @@ void add_tracklets(const PlannedTake& planned, const SensorBodies& bodies, std::
   std::map<std::uint64_t, std::size_t> of_id;
   for (const SensorFrame& frame : bodies.frames) {
     if (frame.bodies.size() > 1) ++tracklets.frames_with_several;
-    for (const SeenBody& seen : frame.bodies) {
+    for (const IdentifiedBody& seen : frame.bodies) {
       const auto centre = centre_of(seen.body);
       if (!centre) continue;
       const auto [it, is_new] = of_id.emplace(seen.identity, tracklets.all.size());
@@ -64,8 +64,8 @@ void add_tracklets(const PlannedTake& planned, const SensorBodies& bodies, std::
   }
 }
 
-// Where the markers are at one instant; NaN where there are none.
-Eigen::Vector3d truth_centre(const FollowedTake& data, std::size_t instant, std::size_t joints) {
+// Centre of the markers at one instant; NaN where there are none.
+Eigen::Vector3d truth_centre(const PersonTake& data, std::size_t instant, std::size_t joints) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
   for (std::size_t j = 0; j < joints; ++j) {
@@ -78,7 +78,7 @@ Eigen::Vector3d truth_centre(const FollowedTake& data, std::size_t instant, std:
 }
 
 // Horizontal distances of a person's bodies from the markers; infinite when they never meet in time.
-double median_distance_m(const Plan& plan, const FollowedTake& data, const Tracklets& tracklets,
+double median_distance_m(const Plan& plan, const PersonTake& data, const Tracklets& tracklets,
                          const std::vector<std::size_t>& persons, std::size_t person) {
   std::vector<double> distances_m;
   for (std::size_t k = 0; k < tracklets.all.size(); ++k) {
@@ -166,7 +166,7 @@ std::optional<PersonChoice> most_seen_person(const Tracklets& tracklets, const P
 }  // namespace
 
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                                          const FollowedTake& data) {
+                                          const PersonTake& data) {
   const Tracklets tracklets = tracklets_of(planned, seen);
   const PersonMatch match = match_persons(tracklets.all, {});
   if (data.truth_m.empty()) return most_seen_person(tracklets, match, plan.rig.size());

@@ -26,6 +26,6 @@ struct PersonChoice {
 // bodies are that person's, or when no sensor ever sees two at once, no tracking id went over to another body
 // and no person is near the truth (which may be in another world). `data` has its times and truth.
 std::optional<PersonChoice> choose_person(const Plan& plan, const PlannedTake& planned, const RigBodies& seen,
-                                          const FollowedTake& data);
+                                          const PersonTake& data);
 
 }  // namespace trilat

@@ -14,7 +14,7 @@
 #include "datasets/session/clock/session_clock.h"
 #include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/methods/study_spec.h"
-#include "pipeline/study/watch.h"
+#include "pipeline/study/run_control.h"
 
 namespace trilat {
 
@@ -65,8 +65,8 @@ struct Plan {
 // none.
 std::size_t reference_of(const StudySpec& study, const std::vector<Method>& methods);
 
-// Stands behind the activity of a take without mocap in a campaign in which other takes have one. Such a take
-// gives differences from a sensor, which are not errors.
+// Suffix of the condition of takes without motion capture in a campaign in which other takes have one. Such a
+// take gives differences from a sensor, which are not errors.
 inline constexpr const char* kPredicted = ", against a left-out sensor";
 
 // Whether the truth of every take is what sensors see that are left out, and not mocap.
@@ -78,13 +78,13 @@ Campaign takes_of(const StudySpec& study, Campaign campaign);
 
 // Opens every take once; Interrupted when asked to stop. Only what concerns all takes is an exception: a
 // study that fits no rig, no joint mapped.
-Plan make_plan(const StudySpec& study, const Campaign& campaign, const Watch& watch = {});
+Plan make_plan(const StudySpec& study, const Campaign& campaign, const RunControl& control = {});
 
 // The names of the plan's methods that takes bring begin here; all before are solved.
 std::size_t first_external(const Plan& plan);
 
-// Whether an error in the study's world counts: some alignment is not of shapes alone.
-bool judges_places(const StudySpec& study);
+// Whether positions in the study's world are compared: true unless `rigid` is the only alignment.
+bool compares_absolute_positions(const StudySpec& study);
 
 // Each once, in the order of the takes.
 std::vector<std::string> activities_of(const Plan& plan);

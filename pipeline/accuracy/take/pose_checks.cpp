@@ -60,7 +60,7 @@ class PoseChecker {
     CheckRow row{planned_.take.id, plan_.rig[s], what, unit, m.value, m.low, m.high, limit};
     row.beyond = std::max(m.low, -m.high) > limit;
     checks_.rows.push_back(row);
-    return row.beyond && !data_.sensor_named;
+    return row.beyond && !data_.explained_by_sensor_check;
   }
   // "4.0 (3.1 to 4.9)", without a sign.
   static std::string text_of(const Interval& m, double factor) {

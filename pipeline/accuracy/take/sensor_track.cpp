@@ -52,9 +52,9 @@ ObservedBody between(const ObservedBody& a, const ObservedBody& b, double share)
 }
 
 ObservedBody chosen_body(const SensorFrame& frame, const std::set<std::uint64_t>* wanted) {
-  const SeenBody* best = nullptr;
+  const IdentifiedBody* best = nullptr;
   std::ptrdiff_t most = -1;
-  for (const SeenBody& seen : frame.bodies) {
+  for (const IdentifiedBody& seen : frame.bodies) {
     if (wanted && !wanted->contains(seen.identity)) continue;
     const auto tracked = std::ranges::count(seen.body.state, TrackingState::tracked);
     if (tracked > most) {
@@ -66,7 +66,7 @@ ObservedBody chosen_body(const SensorFrame& frame, const std::set<std::uint64_t>
 }
 
 // Removes bodies by number, of frames that end at these bodies.
-void remove(const std::vector<std::size_t>& numbers, std::vector<SeenBody>& bodies,
+void remove(const std::vector<std::size_t>& numbers, std::vector<IdentifiedBody>& bodies,
             std::vector<std::size_t>& end_of_frame) {
   std::vector<bool> is_removed(bodies.size());
   for (const std::size_t number : numbers) is_removed[number] = true;

@@ -14,7 +14,7 @@
 
 namespace trilat {
 
-struct SeenBody {
+struct IdentifiedBody {
   std::uint64_t identity = 0;  // tracking id, or a number of its own after a jump: BodyIdentities
   ObservedBody body;
 };
@@ -23,7 +23,7 @@ struct SeenBody {
 struct SensorFrame {
   HostTime time;     // of exposure
   HostTime arrived;  // at its machine, on the host clock
-  std::span<const SeenBody> bodies;
+  std::span<const IdentifiedBody> bodies;
 };
 
 // All bodies that one sensor sees in a session. Moved and not copied: frames refer to the bodies.
@@ -33,11 +33,11 @@ struct SensorBodies {
   SensorBodies& operator=(SensorBodies&&) = default;
 
   std::vector<SensorFrame> frames;
-  std::vector<SeenBody> bodies;  // of all frames, in one piece: an hour has a hundred thousand
-  JointCounts out_of_reach{};    // joints that were not used
-  std::uint64_t jumps = 0;       // bodies that became others under one tracking id
-  std::uint64_t stale = 0;       // bodies that were left out because the sensor gave them again
-  std::uint64_t not_later = 0;   // frames that were left out because their time does not rise
+  std::vector<IdentifiedBody> bodies;  // of all frames, in one piece: an hour has a hundred thousand
+  JointCounts out_of_reach{};          // joints that were not used
+  std::uint64_t jumps = 0;             // bodies that became others under one tracking id
+  std::uint64_t stale = 0;             // bodies that were left out because the sensor gave them again
+  std::uint64_t not_later = 0;         // frames that were left out because their time does not rise
 };
 
 // All body frames of a sensor. Those whose time does not rise are left out. Throws Interrupted when asked to

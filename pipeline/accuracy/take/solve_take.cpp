@@ -137,10 +137,10 @@ TakeCheck cross_check_instant(const Plan& plan, const PlannedTake& planned, cons
 }
 
 // Puts the part of a path that a block is of into it.
-void store_path(const Plan& plan, const MethodPaths& paths, SampleBlock& block) {
+void store_path(const Plan& plan, const MethodTrajectories& paths, SampleBlock& block) {
   for (std::uint64_t i = 0; i < block.instants; ++i)
     for (std::size_t j = 0; j < paths.joints; ++j) {
-      const PathPoint& point = paths.at(block.first_instant + i, j);
+      const TrajectoryPoint& point = paths.at(block.first_instant + i, j);
       PointEstimate estimate = failed_estimate(point.status);
       estimate.position_m = point.position_m;
       estimate.iterations = point.iterations;
@@ -179,8 +179,8 @@ bool has_bones(const Method& method) { return method.spec.kind->over_time == sol
 
 // All methods that need whole paths, one after the other; those with bones take most memory, so that they
 // come before there are paths.
-std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& planned,
-                                         const PreparedTake& data, const OverTimeCalls& calls) {
+std::vector<MethodTrajectories> solve_over_time(const Plan& plan, const PlannedTake& planned,
+                                                const PreparedTake& data, const OverTimeCalls& calls) {
   std::vector<std::int64_t> time_ns;
   for (const HostTime t : data.time) time_ns.push_back(t.ns);
   std::vector<std::size_t> methods;
@@ -188,11 +188,11 @@ std::vector<MethodPaths> solve_over_time(const Plan& plan, const PlannedTake& pl
     if (is_over_time(plan.methods[m])) methods.push_back(m);
   std::ranges::stable_partition(methods, has_bones,
                                 [&](std::size_t m) -> const Method& { return plan.methods[m]; });
-  std::vector<MethodPaths> all;
+  std::vector<MethodTrajectories> all;
   for (const std::size_t m : methods) {
     const Method& method = plan.methods[m];
-    MethodPaths& paths =
-        all.emplace_back(m, plan.joints.size(), std::vector<PathPoint>(time_ns.size() * plan.joints.size()));
+    MethodTrajectories& paths = all.emplace_back(
+        m, plan.joints.size(), std::vector<TrajectoryPoint>(time_ns.size() * plan.joints.size()));
     const auto observe = [&](std::size_t instant, Joint joint, std::span<JointObservation> observations) {
       observe_joint(data, planned, method.spec.calibration_is_estimated, instant, joint, observations);
       const SensorMask used = sensors_of(
@@ -219,25 +219,26 @@ std::vector<const Method*> checked_methods(const Plan& plan) {
 }
 
 std::vector<TakeCheck> solve_take(const Plan& plan, const PlannedTake& planned, const PreparedTake& data,
-                                  std::span<const MethodPaths> external, bool cross_check, const Watch& watch,
+                                  std::span<const MethodTrajectories> external, bool cross_check,
+                                  const RunControl& control,
                                   const std::function<void(const SampleBlock&)>& each) {
   const auto with_bones = static_cast<std::uint64_t>(std::ranges::count_if(plan.methods, has_bones));
   const std::uint64_t total = data.time.size() * (1 + kBonesWork * with_bones);
   std::atomic<std::uint64_t> done{0};
   const auto advance = [&](std::uint64_t work) {
-    watch.tell(static_cast<double>(done += work) / static_cast<double>(total));
+    control.report(static_cast<double>(done += work) / static_cast<double>(total));
   };
-  const std::vector<MethodPaths> paths = solve_over_time(
+  const std::vector<MethodTrajectories> paths = solve_over_time(
       plan, planned, data,
-      {[&](std::size_t instants) { advance(kBonesWork * instants); }, [&] { return watch.stopped(); }});
+      {[&](std::size_t instants) { advance(kBonesWork * instants); }, [&] { return control.stopped(); }});
   std::vector<TakeCheck> checks(cross_check ? checked_methods(plan).size() : 0);
   SampleBlock block;
   for (std::uint64_t first = 0; first < data.time.size(); first += kBlock) {
-    watch.check();
+    control.check();
     begin_block(plan, data, first, block);
     solve_block(plan, planned, data, cross_check, block, checks);
-    for (const MethodPaths& path : paths) store_path(plan, path, block);
-    for (const MethodPaths& path : external) store_path(plan, path, block);
+    for (const MethodTrajectories& path : paths) store_path(plan, path, block);
+    for (const MethodTrajectories& path : external) store_path(plan, path, block);
     each(block);
     advance(block.instants);
   }

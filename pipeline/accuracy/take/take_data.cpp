@@ -48,7 +48,7 @@ void apply_clock(const Plan& plan, const PlannedTake& planned, const std::functi
       sample_truth(plan, planned, duration_from_s(data.clock.offset_s), false, stop_requested).at_instants_m;
 }
 
-void append(TakeChecks more, FollowedTake& data) {
+void append(TakeChecks more, PersonTake& data) {
   std::ranges::move(more.rows, std::back_inserter(data.checks));
   std::ranges::move(more.notes, std::back_inserter(data.notes));
 }
@@ -121,7 +121,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
 
 // Chooses the person and takes their bodies at the instants.
 void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen, bool has_truth,
-                   FollowedTake& data) {
+                   PersonTake& data) {
   append({{}, notes_on_streams(plan, planned, seen)}, data);
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
@@ -133,7 +133,7 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, planned, seen, person ? &*person : nullptr, data.time);
   if (!checks) checks = check_sensors(plan, planned, data.bodies);
-  data.sensor_named = !checks->notes.empty();
+  data.explained_by_sensor_check = !checks->notes.empty();
   data.rig_changed = checks->rig_changed;
   data.odd_sensors = checks->odd_sensors;
   append(std::move(*checks), data);
@@ -209,7 +209,7 @@ void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector
   if (plan.study.clock == ClockSource::stated) return;
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
   data.clock = clock.row;
-  if (!clock.warning.empty() && !data.sensor_named)
+  if (!clock.warning.empty() && !data.explained_by_sensor_check)
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
   if (plan.study.clock != ClockSource::motion) return;
   if (std::isfinite(data.clock.offset_s))
@@ -281,8 +281,8 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
   return recorded;
 }
 
-FollowedTake follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded) {
-  FollowedTake data;
+PersonTake select_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded) {
+  PersonTake data;
   data.time.reserve(planned.instants);
   for (std::uint64_t i = 0; i < planned.instants; ++i) data.time.push_back(planned.start + plan.instant(i));
   const auto note = [&](std::string text) {
@@ -304,7 +304,7 @@ FollowedTake follow_person(const Plan& plan, const PlannedTake& planned, Recorde
   return data;
 }
 
-PreparedTake view_take(const Plan& plan, const PlannedTake& planned, FollowedTake followed,
+PreparedTake view_take(const Plan& plan, const PlannedTake& planned, PersonTake followed,
                        const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
                        const std::function<bool()>& stop_requested) {
   PreparedTake data{std::move(followed)};
@@ -330,7 +330,7 @@ PreparedTake view_take(const Plan& plan, const PlannedTake& planned, FollowedTak
 PreparedTake load_take(const Plan& plan, const PlannedTake& planned,
                        const std::function<bool()>& stop_requested) {
   RecordedTake recorded = read_take(plan, planned, stop_requested);
-  FollowedTake followed = follow_person(plan, planned, recorded);
+  PersonTake followed = select_person(plan, planned, recorded);
   return view_take(plan, planned, std::move(followed), recorded.truth, std::nullopt, stop_requested);
 }
 

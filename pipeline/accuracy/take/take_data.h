@@ -40,15 +40,15 @@ class OcclusionCounts {
 };
 
 // One person's bodies at the instants to evaluate, as the sensors give them, and the truth.
-struct FollowedTake {
+struct PersonTake {
   std::vector<HostTime> time;
   BodyTracks bodies{0, 0};
   std::vector<Eigen::Vector3d> truth_m;  // by instant and joint of the plan, NaN where there is none
   std::vector<CheckRow> checks;          // what the take was checked by
   std::vector<TakeNote> notes;
   bool rig_changed = false;  // check_sensors() found a fault of all sensors, which the truth shows, too
-  std::vector<std::size_t> odd_sensors;  // that check_sensors() named: the truth is not judged by them
-  bool sensor_named = false;             // a note of check_sensors() explains what else sensors seem to show
+  std::vector<std::size_t> odd_sensors;    // that check_sensors() named: the truth is not judged by them
+  bool explained_by_sensor_check = false;  // a sensor check has reported a cause; later checks add no note
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {
     return truth_m[instant * joints + joint];
@@ -56,13 +56,13 @@ struct FollowedTake {
 };
 
 // The take as methods see it, repaired as the study asks.
-struct PreparedTake : FollowedTake {
+struct PreparedTake : PersonTake {
   SideSwapRepair exchanges = {};        // what was found, whether undone or not
   std::vector<float> heading_rad = {};  // by instant, NaN when not known
   std::array<OcclusionCounts, kOcclusionRules> occlusions =
       {};                                          // corrected always, the others when asked for
-  ClockRow clock = {};                             // by motion, when the study asks
-  SelfCalibration shown = {};                      // what the take shows of its calibration
+  ClockOffsetRow clock = {};                       // by motion, when the study asks
+  SelfCalibration shown = {};                      // corrections of the calibration, estimated from the take
   std::vector<RigidTransform> corrected_rig = {};  // world_from_sensor by it, by rig sensor
   // Sigmas of methods whose sigma is estimated, with the stated and the corrected rig: by joint of the plan,
   // for the take's first and second half.
@@ -89,17 +89,17 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
 // start; notes say what is odd about the streams, the sensors and the mocap. Takes the bodies out of
 // `recorded`. InputError when the take cannot be evaluated at all: no ground truth for its time, no sensor
 // that ever sees a joint that is asked for. This and what follows throw Interrupted when asked to stop.
-FollowedTake follow_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded);
+PersonTake select_person(const Plan& plan, const PlannedTake& planned, RecordedTake& recorded);
 
 // The take as methods see it: exchanges of left and right undone, the mocap's clock checked, occlusions
 // counted, and what methods ask for estimated. A sensor that is left out is seen by no method: its tracked
 // joints are the truth, which has none where it does not track (inferred ones are the tracker's guess); it
 // and its predictors are put right each without the other.
-PreparedTake view_take(const Plan& plan, const PlannedTake& planned, FollowedTake followed,
+PreparedTake view_take(const Plan& plan, const PlannedTake& planned, PersonTake followed,
                        const std::optional<SampledTruth>& truth, std::optional<std::size_t> left_out,
                        const std::function<bool()>& stop_requested);
 
-// All of the three: a take as methods see it that leaves no sensor out.
+// Reads a take, chooses its person and views it, with all sensors.
 PreparedTake load_take(const Plan& plan, const PlannedTake& planned,
                        const std::function<bool()>& stop_requested);
 

@@ -71,11 +71,11 @@ PosePriors priors_of(const std::vector<SensorPose>& poses) {
 
 }  // namespace
 
-RayRow rays_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
+RayNoiseRow estimate_ray_noise(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   const Rows rows = rows_of(planned, data, plan.joints, 0, data.time.size(), false);
   const RaySigmaEstimate rays =
       estimate_ray_sigma(rows.observations, planned.world_from_sensor, rows.cluster);
-  RayRow row{.take = planned.take.id, .rows = rays.instants, .problem = rays.problem};
+  RayNoiseRow row{.take = planned.take.id, .rows = rays.instants, .problem = rays.problem};
   if (!row.problem.empty()) return row;
   row.range_m = rays.sigma.range_m;
   row.bearing_m = rays.sigma.bearing_m;

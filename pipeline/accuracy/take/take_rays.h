@@ -8,7 +8,7 @@ namespace trilat {
 
 // Disagreement of a take's sensors along and across their rays, all joints of the plan together. Looks at
 // some instants, spread evenly.
-RayRow rays_of(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
+RayNoiseRow estimate_ray_noise(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
 
 // Whether some method's calibration is "estimated".
 bool estimates_calibration(const Plan& plan);

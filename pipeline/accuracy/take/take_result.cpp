@@ -65,8 +65,8 @@ void TakeCheck::merge(const TakeCheck& later) {
   }
 }
 
-RunOutcome outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool cross_check) {
-  RunOutcome outcome;
+StudyTotals outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool cross_check) {
+  StudyTotals outcome;
   const std::vector<const Method*> checked = checked_methods(plan);
   std::vector<TakeCheck> checks(checked.size());
   for (const TakeResult& take : takes) {

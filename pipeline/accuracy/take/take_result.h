@@ -42,8 +42,8 @@ struct TakeCheck {
 // Diagnostics of one take's sensors.
 struct TakeTracking {
   std::vector<CheckRow> checks;
-  ClockRow clock;
-  RayRow rays = {};
+  ClockOffsetRow clock;
+  RayNoiseRow rays = {};
   std::vector<RuleRow> rules = {};
   std::vector<BoundRow> bounds = {};
 
@@ -68,12 +68,12 @@ struct TakeResult {
 };
 
 // The results of all takes of a plan together.
-struct RunOutcome {
+struct StudyTotals {
   std::vector<TakeNote> notes;  // in the order of the takes
   std::vector<bool> evaluated;  // by take
   std::vector<CrossCheck> cross_checks;
   TrackingSummary tracking;
 };
-RunOutcome outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool cross_check);
+StudyTotals outcome_of(const Plan& plan, std::span<const TakeResult> takes, bool cross_check);
 
 }  // namespace trilat

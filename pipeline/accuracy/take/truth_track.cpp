@@ -170,11 +170,11 @@ MotionClock clock_by_motion(const Plan& plan, const PlannedTake& planned, const 
   ClockOffsetOptions options;
   options.grid_hz = kGrid_hz;
   options.search_s = plan.study.clock_search_s;
-  options.frames = !planned.in_mocap_world     ? StreamFrames::turned
-                   : judges_places(plan.study) ? StreamFrames::same
-                                               : StreamFrames::shifted;
+  options.frames = !planned.in_mocap_world                   ? StreamFrames::turned
+                   : compares_absolute_positions(plan.study) ? StreamFrames::same
+                                                             : StreamFrames::shifted;
   const ClockOffset found = find_clock_offset(estimated_paths(plan, planned, data), truth, options);
-  ClockRow row;
+  ClockOffsetRow row;
   row.status = name_of(found.status);
   row.offset_s = found.offset_s;
   row.low_s = found.low_s;

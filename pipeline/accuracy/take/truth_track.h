@@ -29,7 +29,7 @@ SampledTruth sample_truth(const Plan& plan, const PlannedTake& planned, Duration
                           const std::function<bool()>& stop_requested);
 
 struct MotionClock {
-  ClockRow row;
+  ClockOffsetRow row;
   std::string warning;  // what the trackers' lag does not explain, for the take's notes; empty when it does
 };
 

@@ -79,7 +79,7 @@ TEST(TrcReader, RefusesMillimetresThatTheHeaderCallsMetres) {
               AllOf(HasSubstr(":7"), HasSubstr("marker:a, position X"), HasSubstr("another unit")));
 }
 
-TEST(MarkerReaders, TakeRowsThatEndWithATabAndALastOneWithoutALineEnd) {
+TEST(MotionCaptureFiles, TakeRowsThatEndWithATabAndALastOneWithoutALineEnd) {
   std::string rows = "1\t0\t1\t2\t3\t4\t5\t6\t\r\n2\t0.01\t1\t2\t3\t4\t5\t6.5";
   const WholeTake take = marker_take(trc_text(rows, "mm", "2"));
   ASSERT_EQ(take.frames.size(), 2u);
@@ -88,14 +88,14 @@ TEST(MarkerReaders, TakeRowsThatEndWithATabAndALastOneWithoutALineEnd) {
   EXPECT_FALSE(take.anomalies.truncated_last_row);
 }
 
-TEST(MarkerReaders, RefuseFewerFramesThanTheHeaderPromises) {
+TEST(MotionCaptureFiles, RefuseFewerFramesThanTheHeaderPromises) {
   EXPECT_THAT(marker_refusal(trc_text(kTrcRows, "mm", "5")),
               AllOf(HasSubstr("after 3"), HasSubstr("promises 5")));
   const std::string cut = kTrcRows.substr(0, kTrcRows.rfind('\t'));
   EXPECT_THAT(marker_refusal(trc_text(cut)), AllOf(HasSubstr("after 2"), HasSubstr("promises 3")));
 }
 
-TEST(MarkerReaders, RefuseADecimalComma) {
+TEST(MotionCaptureFiles, RefuseADecimalComma) {
   EXPECT_THAT(marker_refusal(trc_text("1\t0,0\t1,5\t2\t3\t4\t5\t6\n", "mm", "1")),
               AllOf(HasSubstr(":7"), HasSubstr("comma")));
 }
@@ -203,7 +203,7 @@ TEST(TrcReader, SaysThatCommasAreNoTabs) {
   EXPECT_THAT(marker_refusal(text), AllOf(HasSubstr(":2"), HasSubstr("has commas between its cells; tabs")));
 }
 
-TEST(MarkerReaders, FilesOfOtherSystemsAreRefusedByTheirNames) {
+TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
   const std::pair<std::string, const char*> files[] = {
       {"NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\n", "is Qualisys' TSV, which is not read; export C3D"},
       {"Trajectories\n100\n", "is a CSV of Vicon Nexus"},
@@ -224,7 +224,7 @@ TEST(MarkerReaders, FilesOfOtherSystemsAreRefusedByTheirNames) {
   for (const auto& [text, said] : files) EXPECT_THAT(marker_refusal(text), HasSubstr(said));
 }
 
-TEST(MarkerReaders, AC3dIsNamedWithTheConverter) {
+TEST(MotionCaptureFiles, AC3dIsNamedWithTheConverter) {
   const ScratchFolder folder;
   const std::string file = folder / "walk.c3d";
   write_file(file, std::string{2, 0x50}.append(510, '\0'));
@@ -232,7 +232,7 @@ TEST(MarkerReaders, AC3dIsNamedWithTheConverter) {
                                                        " -o " + std::string(folder / "walk.csv"));
 }
 
-TEST(MarkerReaders, TheLineThatConvertsCanBePastedWhateverThePath) {
+TEST(MotionCaptureFiles, TheLineThatConvertsCanBePastedWhateverThePath) {
   const ScratchFolder folder;
   const struct {
     const char *name, *text, *line;

@@ -9,8 +9,8 @@
 
 namespace trilat {
 
-// How whoever asked for long work follows and ends it.
-struct Watch {
+// Stop request and progress of a long computation.
+struct RunControl {
   std::function<bool()> stop_requested = {};
   std::function<void(double)> progress = {};  // the share that is done; from any thread
 
@@ -18,7 +18,7 @@ struct Watch {
   void check() const {
     if (stopped()) throw Interrupted();
   }
-  void tell(double share) const {
+  void report(double share) const {
     if (progress) progress(share);
   }
 };

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/rig/campaign.h"
+
+namespace trilat {
+
+// Where `trilat init` looks for recordings.
+struct TakeSearch {
+  std::filesystem::path folder;
+  std::string activity;  // of recordings that are called session.h5
+  std::string up_axis;   // of the motion capture: y, z, or empty
+};
+
+struct FoundTake {
+  Take take;
+  std::size_t sensors = 0;
+  bool simulated = false;
+  std::string start = {};  // how its mocap's start was found
+};
+
+struct FoundTakes {
+  std::vector<FoundTake> takes;
+  std::vector<std::string> notes;
+  Campaign calibration = {};  // its wand, stated distances and walls
+};
+
+// The recordings below the folder that are not in `known`, the campaign as it is, each with the calibration,
+// motion capture and joints of other methods that lie beside it. InputError where there is no recording, or
+// one without a calibration.
+FoundTakes find_takes(const TakeSearch& search, const Campaign& known);
+
+}  // namespace trilat
