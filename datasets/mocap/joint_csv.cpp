@@ -65,6 +65,99 @@ double unit_of(const std::vector<double>& times, const std::string& place,
   return unit->first;
 }
 
+struct JointRow {
+  double time_s;  // in the file's unit
+  std::size_t joint;
+  Eigen::Vector3d position_m;
+};
+
+// The rows of a file of joints, whose names become the assets of a take.
+class JointRows {
+ public:
+  JointRows(const std::filesystem::path& path, MocapTake& take)
+      : lines_(path, kReadBytes), take_(take), names_(column_names(lines_)), places_(joint_columns(names_)) {
+    for (std::size_t c = 0; c < places_.size(); ++c)
+      if (places_[c] == names_.size())
+        throw InputError(lines_.place(), fmt::format("has no column {}; needed are {}", kJointColumns[c],
+                                                     fmt::join(kJointColumns, ", ")));
+  }
+  // In the order of time.
+  std::vector<JointRow> read() {
+    std::vector<JointRow> rows;
+    for (std::string_view line; lines_.next(line);) {
+      cells_ = split_csv(line);
+      const bool is_short = cells_.size() < names_.size();
+      if (is_short && !lines_.terminated()) take_.anomalies.truncated_last_row = true;
+      if (is_short && (line.empty() || !lines_.terminated())) continue;
+      if (cells_.size() != names_.size())
+        throw InputError(lines_.place(),
+                         fmt::format("has {} cells under {} columns", cells_.size(), names_.size()));
+      rows.push_back({time(), joint(), position_m()});
+    }
+    far_.end();
+    std::ranges::stable_sort(rows, {}, &JointRow::time_s);
+    return rows;
+  }
+
+ private:
+  const std::string& cell(std::size_t column) const { return cells_[places_[column]]; }
+  double number(std::size_t column) const {
+    double value = kNaN;
+    const CellKind kind = parse_cell(cell(column), value);
+    if (kind == CellKind::unreadable)
+      throw InputError(lines_.place(), fmt::format("{} is \"{}\", which is not a number",
+                                                   kJointColumns[column], cell(column)));
+    return kind == CellKind::number ? value : kNaN;
+  }
+  double time() const {
+    const double time_s = number(0);
+    if (!std::isfinite(time_s)) throw InputError(lines_.place(), "has no time_s");
+    return time_s;
+  }
+  std::size_t joint() {
+    const auto [joint, is_new] = joints_.try_emplace(cell(1), joints_.size());
+    if (is_new) take_.header.assets.push_back({AssetType::marker, joint->first, "", "", true});
+    return joint->second;
+  }
+  Eigen::Vector3d position_m() {
+    Eigen::Vector3d position_m(number(2), number(3), number(4));
+    if (!position_m.allFinite()) position_m.setConstant(kNaN);
+    for (const double x_m : position_m)
+      if (std::abs(x_m) > kMaxDistance_m)
+        far_.add(x_m, [&] { return InputError(lines_.place(), cell(1) + ' ' + kTooFar); });
+    if (position_m.cwiseAbs().maxCoeff() > kMaxDistance_m) position_m.setConstant(kFilled);
+    return position_m;
+  }
+
+  LineReader lines_;
+  MocapTake& take_;
+  std::vector<std::string> names_;
+  std::array<std::size_t, kJointColumns.size()> places_;
+  std::vector<std::string> cells_;  // of the row that was read last
+  std::map<std::string, std::size_t> joints_;
+  FarNumbers far_;
+};
+
+// Sets the take's frames, one a time, and returns the unit of the times in seconds.
+double set_times(const std::vector<JointRow>& rows, const std::string& place, MocapTake& take) {
+  std::vector<double> times;
+  for (const JointRow& row : rows)
+    if (times.empty() || times.back() < row.time_s) times.push_back(row.time_s);
+  const double unit_s = unit_of(times, place, take.taken_as);
+  take.first_s = times.front() * unit_s;
+  const double latest_s = std::max(
+      {std::abs(take.first_s), std::abs(times.back() * unit_s), (times.back() - times.front()) * unit_s});
+  if (!(latest_s <= kLatestCsv_s))
+    throw InputError(place, fmt::format("has a time_s of {:g}, which no clock shows", times.back()));
+  for (const double time : times) {
+    const MocapTime since_first{duration_from_s((time - times.front()) * unit_s).ns};
+    if (!take.time.empty() && take.time.back() >= since_first) continue;
+    take.frame.push_back(std::ssize(take.frame));
+    take.time.push_back(since_first);
+  }
+  return unit_s;
+}
+
 }  // namespace
 
 bool is_joint_csv(const std::filesystem::path& path) {
@@ -75,85 +168,26 @@ bool is_joint_csv(const std::filesystem::path& path) {
 }
 
 MocapTake read_joint_csv(const std::filesystem::path& path) {
-  LineReader lines(path, kReadBytes);
-  const std::vector<std::string> names = column_names(lines);
-  const auto places = joint_columns(names);
-  for (std::size_t c = 0; c < places.size(); ++c)
-    if (places[c] == names.size())
-      throw InputError(lines.place(), fmt::format("has no column {}; needed are {}", kJointColumns[c],
-                                                  fmt::join(kJointColumns, ", ")));
-  struct Row {
-    double time_s;
-    std::size_t joint;
-    Eigen::Vector3d position_m;
-  };
-  std::vector<Row> rows;
-  MocapTake positions;
-  positions.header.format = "joints as CSV";
-  std::map<std::string, std::size_t> joints;
-  FarNumbers far;
-  for (std::string_view line; lines.next(line);) {
-    const std::vector<std::string> cells = split_csv(line);
-    if (cells.size() < names.size() && !lines.terminated()) positions.anomalies.truncated_last_row = true;
-    if (cells.size() < names.size() && (line.empty() || !lines.terminated())) continue;
-    if (cells.size() != names.size())
-      throw InputError(lines.place(),
-                       fmt::format("has {} cells under {} columns", cells.size(), names.size()));
-    const auto number = [&](std::size_t c) {
-      double value = kNaN;
-      const CellKind kind = parse_cell(cells[places[c]], value);
-      if (kind == CellKind::unreadable)
-        throw InputError(lines.place(), fmt::format("{} is \"{}\", which is not a number", kJointColumns[c],
-                                                    cells[places[c]]));
-      return kind == CellKind::number ? value : kNaN;
-    };
-    const double time_s = number(0);
-    if (!std::isfinite(time_s)) throw InputError(lines.place(), "has no time_s");
-    const auto [joint, is_new] = joints.try_emplace(cells[places[1]], joints.size());
-    if (is_new) positions.header.assets.push_back({AssetType::marker, joint->first, "", "", true});
-    Eigen::Vector3d position_m(number(2), number(3), number(4));
-    if (!position_m.allFinite()) position_m.setConstant(kNaN);
-    for (const double x_m : position_m)
-      if (std::abs(x_m) > kMaxDistance_m)
-        far.add(x_m, [&] { return InputError(lines.place(), cells[places[1]] + ' ' + kTooFar); });
-    if (position_m.cwiseAbs().maxCoeff() > kMaxDistance_m) position_m.setConstant(kFilled);
-    rows.push_back({time_s, joint->second, position_m});
-  }
-  far.end();
+  MocapTake take;
+  take.header.format = "joints as CSV";
+  const std::vector<JointRow> rows = JointRows(path, take).read();
   if (rows.empty()) throw InputError(path.string(), "holds no joints");
-  std::ranges::stable_sort(rows, {}, &Row::time_s);
-  std::vector<double> times_s;
-  for (const Row& row : rows)
-    if (times_s.empty() || times_s.back() < row.time_s) times_s.push_back(row.time_s);
-  const double unit_s = unit_of(times_s, path.string(), positions.taken_as);
-  positions.first_s = times_s.front() * unit_s;
-  const double latest_s = std::max({std::abs(positions.first_s), std::abs(times_s.back() * unit_s),
-                                    (times_s.back() - times_s.front()) * unit_s});
-  if (!(latest_s <= kLatestCsv_s))
-    throw InputError(path.string(),
-                     fmt::format("has a time_s of {:g}, which no clock shows", times_s.back()));
-  const auto since_first_ns = [&](double time_s) {
-    return duration_from_s((time_s - times_s.front()) * unit_s).ns;
-  };
-  for (const double time_s : times_s)
-    if (positions.time.empty() || positions.time.back().ns < since_first_ns(time_s)) {
-      positions.frame.push_back(std::ssize(positions.frame));
-      positions.time.push_back({since_first_ns(time_s)});
-    }
-  positions.position_m.assign(
-      joints.size(), std::vector<Eigen::Vector3d>(positions.time.size(), Eigen::Vector3d::Constant(kNaN)));
+  const double unit_s = set_times(rows, path.string(), take);
+  take.position_m.assign(take.header.assets.size(),
+                         std::vector<Eigen::Vector3d>(take.time.size(), Eigen::Vector3d::Constant(kNaN)));
   std::size_t frame = 0;
-  for (const Row& row : rows) {
-    while (positions.time[frame].ns < since_first_ns(row.time_s)) ++frame;
-    Eigen::Vector3d& position_m = positions.position_m[row.joint][frame];
+  for (const JointRow& row : rows) {
+    const std::int64_t since_first_ns = duration_from_s((row.time_s - rows.front().time_s) * unit_s).ns;
+    while (take.time[frame].ns < since_first_ns) ++frame;
+    Eigen::Vector3d& position_m = take.position_m[row.joint][frame];
     if (position_m.allFinite() && row.position_m.allFinite())
       throw InputError(path.string(),
                        fmt::format("has {} twice at {:.6f} s; the joints of one person are wanted",
-                                   positions.header.assets[row.joint].name, row.time_s * unit_s));
+                                   take.header.assets[row.joint].name, row.time_s * unit_s));
     if (!position_m.allFinite()) position_m = row.position_m;
   }
-  positions.missing = remove_missing(positions.time, positions.position_m);
-  return positions;
+  take.missing = remove_missing(take.time, take.position_m);
+  return take;
 }
 
 }  // namespace trilat

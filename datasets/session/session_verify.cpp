@@ -18,7 +18,8 @@ namespace trilat {
 namespace {
 
 constexpr std::uint64_t kVerifiedBlock = 1024;
-constexpr double kRestart_s = 1.0;  // by so much ticks or arrivals jump at least
+constexpr std::uint64_t kDepthWeight = 20;  // a depth frame costs about as much as so many body frames
+constexpr double kRestart_s = 1.0;          // by so much ticks or arrivals jump at least
 
 struct Place {
   std::string sensor;  // file.h5:/sensors/NAME
@@ -35,7 +36,7 @@ constexpr const char* kTimes =
     "every accuracy study and calibration: sensors and truth are compared at wrong times";
 constexpr const char* kPositions = "every accuracy study: wrong joint positions";
 constexpr const char* kPersons = "accuracy studies with several persons: who is who is followed by these ids";
-constexpr const char* kDepthUses = "wand calibration, and methods with \"occlusion\": \"depth\"";
+constexpr const char* kDepthUses = "wand calibration";
 
 // Counts of odd stamps of one stream; said once.
 struct StampCounts {
@@ -232,8 +233,7 @@ void verify_drops_and_notices(const SessionReader& session, std::size_t sensor, 
     place.say(Severity::note, "/notices", fmt::format("and {} notices more", notices.size() - kMaxCount));
 }
 
-void verify_clock(const SessionReader& session, std::size_t sensor, const Place& place) {
-  const auto exchanges = session.clock_exchanges(sensor);
+void verify_exchanges(std::span<const ClockExchange> exchanges, const Place& place) {
   const auto broken = std::ranges::count_if(exchanges, [](const ClockExchange& e) {
     return e.t4_ns < e.t1_ns || e.t3_ns < e.t2_ns || (e.t4_ns - e.t1_ns) < (e.t3_ns - e.t2_ns);
   });
@@ -243,28 +243,32 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
   if (exchanges.empty())
     place.say(Severity::note, "/clock_exchanges_ns",
               "no clock exchanges: the sensor is taken to share the recording machine's clock");
+}
+
+void verify_uncertainty(const OffsetUncertainty& uncertainty, const Place& place) {
+  constexpr double kSure_ms = 2.0;  // the paper's "less than 5 ms" leaves no more for two clocks
+  constexpr double kNear_s = 10.0;
+  const double sigma_ms = 1e-6 * static_cast<double>(uncertainty.sigma_ns);
+  const double bound_ms = 1e-6 * static_cast<double>(uncertainty.bound_ns);
+  const double outside_s = uncertainty.outside.seconds();
+  const bool is_near = outside_s <= kNear_s;
+  if (is_near && sigma_ms <= kSure_ms && bound_ms <= kSure_ms) return;
+  const std::string where =
+      is_near ? "" : fmt::format("frames lie up to {:.1f} s from any exchange; there ", outside_s);
+  place.say(Severity::warning, "/clock_exchanges_ns",
+            fmt::format("{}the clock of the sensor's computer is known to {:.1f} ms (one standard "
+                        "deviation), and unlike delays could add {:.1f} ms",
+                        where, sigma_ms, bound_ms),
+            kTimes);
+}
+
+void verify_clock(const SessionReader& session, std::size_t sensor, const Place& place) {
+  verify_exchanges(session.clock_exchanges(sensor), place);
   const SensorCounts& counts = session.counts(sensor);
   if (counts.body_frames + counts.depth_frames == 0) return;
   const SensorClockMap clock = fit_sensor_clock(session, sensor);
   constexpr Duration kMaxDeviation{1'000'000};
-  constexpr double kSure_ms = 2.0;  // the paper's "less than 5 ms" leaves no more for two clocks
-  const double sigma_ms = 1e-6 * static_cast<double>(clock.stamps.uncertainty.sigma_ns);
-  const double bound_ms = 1e-6 * static_cast<double>(clock.stamps.uncertainty.bound_ns);
-  const double outside_s = clock.stamps.uncertainty.outside.seconds();
-  constexpr double kNear_s = 10.0;
-  if (outside_s > kNear_s)
-    place.say(
-        Severity::warning, "/clock_exchanges_ns",
-        fmt::format("frames lie up to {:.1f} s from any exchange; there the clock of the sensor's computer "
-                    "is known to {:.1f} ms (one standard deviation), and unlike delays could add {:.1f} ms",
-                    outside_s, sigma_ms, bound_ms),
-        kTimes);
-  else if (sigma_ms > kSure_ms || bound_ms > kSure_ms)
-    place.say(Severity::warning, "/clock_exchanges_ns",
-              fmt::format("the clock of the sensor's computer is known to {:.1f} ms (one standard "
-                          "deviation), and unlike delays could add {:.1f} ms",
-                          sigma_ms, bound_ms),
-              kTimes);
+  verify_uncertainty(clock.stamps.uncertainty, place);
   if (clock.agent.deviation > kMaxDeviation)
     place.say(Severity::warning, "/clock_exchanges_ns",
               fmt::format("leave a straight line by {:.1f} ms {:.0f} s after the first: the clock of the "
@@ -360,6 +364,49 @@ void verify_ends(const SessionReader& session, std::vector<Finding>& findings) {
   }
 }
 
+namespace {
+
+// Every part says what it finds; one that cannot be read is a finding itself.
+void verify_sensor(const SessionReader& session, std::size_t s, const VerifyOptions& options,
+                   const Place& place, const std::function<void(std::uint64_t)>& advance) {
+  const SensorCounts& counts = session.counts(s);
+  const auto check = [&](const auto& part) {
+    try {
+      part();
+    } catch (const InputError& error) {
+      place.findings->push_back(
+          {Severity::error, error.place(), error.problem(), "every study of this sensor"});
+    }
+  };
+  if (counts.torn_rows > 0)
+    place.say(Severity::warning, "",
+              fmt::format("{} rows were not written to the end and are left out", counts.torn_rows),
+              kAnswers);
+  if (counts.body_frames == 0 && counts.depth_frames == 0)
+    place.say(Severity::error, "", "holds no frames", "every study of this sensor");
+  check([&] {
+    verify_stamps(session, s, FrameStream::bodies, counts.body_frames, options.gap_periods, place,
+                  "/body_frames");
+  });
+  check([&] {
+    if (const auto text = odd_ticks_text(session, s))
+      place.say(Severity::error, "/body_frames", *text, kTimes);
+  });
+  check([&] { verify_bodies(session, s, place, advance); });
+  if (counts.depth_frames > 0) {
+    check([&] {
+      verify_stamps(session, s, FrameStream::depth, counts.depth_frames, options.gap_periods, place,
+                    "/depth");
+    });
+    if (options.read_depth)
+      verify_depth(session, s, place, [&](std::uint64_t n) { advance(n * kDepthWeight); });
+  }
+  check([&] { verify_drops_and_notices(session, s, place); });
+  check([&] { verify_clock(session, s, place); });
+}
+
+}  // namespace
+
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress) {
   std::vector<Finding> findings;
@@ -369,51 +416,19 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
          session.path().string(),
          "was not closed by its recorder; what was flushed is readable, and `trilat recover` makes it whole",
          {}});
-  constexpr std::uint64_t kDepthWeight = 20;  // a depth frame costs about as much as this many body frames
+  const std::size_t sensors = session.header().sensors.size();
   std::uint64_t total = 1, done = 0;
-  for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
+  for (std::size_t s = 0; s < sensors; ++s)
     total += session.counts(s).body_frames +
              (options.read_depth ? kDepthWeight * session.counts(s).depth_frames : 0);
   const auto advance = [&](std::uint64_t amount) {
     done += amount;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(total));
   };
-  for (std::size_t s = 0; s < session.header().sensors.size(); ++s) {
-    const Place place{session.path().string() + ":/sensors/" + session.header().sensors[s].name, &findings};
-    const SensorCounts& counts = session.counts(s);
-    const auto check = [&](const auto& part) {
-      try {
-        part();
-      } catch (const InputError& error) {
-        findings.push_back({Severity::error, error.place(), error.problem(), "every study of this sensor"});
-      }
-    };
-    if (counts.torn_rows > 0)
-      place.say(Severity::warning, "",
-                fmt::format("{} rows were not written to the end and are left out", counts.torn_rows),
-                kAnswers);
-    if (counts.body_frames == 0 && counts.depth_frames == 0)
-      place.say(Severity::error, "", "holds no frames", "every study of this sensor");
-    check([&] {
-      verify_stamps(session, s, FrameStream::bodies, counts.body_frames, options.gap_periods, place,
-                    "/body_frames");
-    });
-    check([&] {
-      if (const auto text = odd_ticks_text(session, s))
-        place.say(Severity::error, "/body_frames", *text, kTimes);
-    });
-    check([&] { verify_bodies(session, s, place, advance); });
-    if (counts.depth_frames > 0) {
-      check([&] {
-        verify_stamps(session, s, FrameStream::depth, counts.depth_frames, options.gap_periods, place,
-                      "/depth");
-      });
-      if (options.read_depth)
-        verify_depth(session, s, place, [&](std::uint64_t n) { advance(n * kDepthWeight); });
-    }
-    check([&] { verify_drops_and_notices(session, s, place); });
-    check([&] { verify_clock(session, s, place); });
-  }
+  for (std::size_t s = 0; s < sensors; ++s)
+    verify_sensor(session, s, options,
+                  {session.path().string() + ":/sensors/" + session.header().sensors[s].name, &findings},
+                  advance);
   try {
     verify_ends(session, findings);
   } catch (const InputError&) {

@@ -223,8 +223,7 @@ OutputMark truth_mark(const RecordArguments& arguments) {
           {std::filesystem::weakly_canonical(std::filesystem::absolute(arguments.output)).string()}};
 }
 
-int record_session(const RecordArguments& arguments) {
-  std::signal(SIGPIPE, SIG_IGN);  // whoever reads what is shown may go
+void check_record(const RecordArguments& arguments) {
   if (arguments.sources.empty() && arguments.agents == 0)
     throw InputError("--source", "is missing, and so is --agents; a source may be " + source_help());
   if (arguments.preview && ::isatty(STDERR_FILENO) != 1)
@@ -232,20 +231,45 @@ int record_session(const RecordArguments& arguments) {
   if (!arguments.calibration.empty() && !arguments.preview)
     throw InputError("--calibration",
                      "is for --preview, which draws the person whom all sensors see together");
-  const Calibration calibration =
-      arguments.calibration.empty() ? Calibration{} : read_calibration(arguments.calibration);
-  std::string room = room_for(arguments.output);
   if (!arguments.truth.empty())
     check_output_folder({arguments.truth, {}, arguments.force}, truth_mark(arguments));
   check_output_file({arguments.output, {}, arguments.force});
-  if (!arguments.truth.empty()) {
+}
+
+// Opens the sources, and writes what --truth asks for.
+std::vector<std::unique_ptr<FrameSource>> open_sources(const RecordArguments& arguments) {
+  const bool has_truth = !arguments.truth.empty();
+  if (has_truth) {
     write_truth(arguments.sources, arguments.truth, arguments.duration_s);
     mark_output(arguments.truth, truth_mark(arguments));
   }
   std::vector<std::unique_ptr<FrameSource>> sources;
   for (const std::string& text : arguments.sources) sources.push_back(open_source(text));
+  if (has_truth) write_campaign_of(*sources.front(), arguments.output, arguments.truth);
+  return sources;
+}
+
+int end_of(const CaptureSummary& summary, const RecordArguments& arguments) {
+  if (arguments.json)
+    fmt::print("{}\n", json_text(json_of(summary, arguments.output), 2));
+  else
+    print_summary(summary, arguments.output);
+  if (!summary.log_left.empty())
+    fmt::print(stderr, "failed: {}; the log stays for a closer look: {}\n", summary.log_left,
+               log_name(arguments.output).string());
+  const bool whole = !summary.lost_frames() && !summary.source_failed &&
+                     summary.end != CaptureEnd::disk_full && summary.log_left.empty();
+  return whole ? kDone : kItemsFailed;
+}
+
+int record_session(const RecordArguments& arguments) {
+  std::signal(SIGPIPE, SIG_IGN);  // whoever reads what is shown may go
+  check_record(arguments);
+  const Calibration calibration =
+      arguments.calibration.empty() ? Calibration{} : read_calibration(arguments.calibration);
+  std::string room = room_for(arguments.output);
+  std::vector<std::unique_ptr<FrameSource>> sources = open_sources(arguments);
   LiveDisplay display;
-  if (!arguments.truth.empty()) write_campaign_of(*sources.front(), arguments.output, arguments.truth);
   std::optional<SkeletonPreview> preview;
   if (arguments.preview && arguments.calibration.empty())
     preview.emplace();
@@ -274,16 +298,7 @@ int record_session(const RecordArguments& arguments) {
   };
   const CaptureSummary summary = capture(sources, arguments.output, options);
   progress.reset();
-  if (arguments.json)
-    fmt::print("{}\n", json_text(json_of(summary, arguments.output), 2));
-  else
-    print_summary(summary, arguments.output);
-  if (!summary.log_left.empty())
-    fmt::print(stderr, "failed: {}; the log stays for a closer look: {}\n", summary.log_left,
-               log_name(arguments.output).string());
-  const bool whole = !summary.lost_frames() && !summary.source_failed &&
-                     summary.end != CaptureEnd::disk_full && summary.log_left.empty();
-  return whole ? kDone : kItemsFailed;
+  return end_of(summary, arguments);
 }
 
 }  // namespace

@@ -214,61 +214,76 @@ class SensorChecker {
     bool is_pose;
   };
 
+  // Words for a sensor beside the others, or beside the only other one.
+  struct SensorWords {
+    std::string who, others, both;  // `both` is empty where there are more than two
+  };
+
   void note_change(const SensorChange& change, bool are_two) {
     const std::string& who = name(change.sensor);
-    const std::string both = are_two ? name(1 - change.sensor) + " and " + who : "";
-    const std::string others = are_two ? name(1 - change.sensor) : "the others";
-    const std::string leave = are_two ? "" : ". Or leave it out with \"sensors\" in the study";
-    const std::string effect = fmt::format("put right, its mean distance from {} {}", others,
-                                           falls_text(change.fit.before_m, change.fit.after_m));
-    if (change.pushed_s) {
-      checks_.misplaced = true;
-      note(planned_.take.session,
-           fmt::format("{} moved during the take: at {:.1f} s its view shifts by {:.2f} m against {}; {}. "
-                       "Was it pushed? Then record again{}",
-                       are_two ? "one of " + both : who, *change.pushed_s, change.pushed_m,
-                       are_two ? "the other's" : "the others'", effect, leave));
-      return;
-    }
-    if (change.fit.status == StreamFitStatus::found) {
-      const StreamChange& found = change.fit.changes.front();
-      std::vector<std::string> what, remedy;
-      const std::vector<Cause> causes = causes_texts(found, change.fit.before_m, who, others, both);
-      for (const Cause& cause : causes) {
-        what.push_back(cause.what);
-        remedy.push_back(cause.remedy);
-      }
-      const bool is_pose = std::ranges::all_of(causes, &Cause::is_pose);
-      checks_.misplaced |= is_pose;
-      note(is_pose ? planned_.take.calibration : planned_.take.session,
-           fmt::format("{}; {}. {}{}", fmt::join(what, ", and "), effect, fmt::join(remedy, "; "), leave));
-      return;
-    }
+    const SensorWords words{who, are_two ? name(1 - change.sensor) : "the others",
+                            are_two ? name(1 - change.sensor) + " and " + who : ""};
+    if (change.pushed_s) return note_push(change, words);
+    if (change.fit.status == StreamFitStatus::found) return note_cause(change, words);
     checks_.misplaced = true;
-    std::string which;
-    if (change.fit.status == StreamFitStatus::one_of) {
-      std::vector<std::string> ways;
-      for (const StreamChange& way : change.fit.changes) {
-        std::vector<std::string> what;
-        for (const Cause& cause : causes_texts(way, change.fit.before_m, who, others, both))
-          what.push_back(cause.what);
-        ways.push_back(fmt::format("{}", fmt::join(what, ", and ")));
-      }
-      which = fmt::format("one of these explains it, and the motion does not say which: {}",
-                          fmt::join(ways, "; or "));
-    } else {
-      which =
-          "none of these explains it: another pose, a mirror, a clock that is off by up to 3 s, another "
-          "scale, a push during the take; is it the same person?";
-    }
     note(planned_.take.session,
-         fmt::format("{} {:.2f} m {}; {}{}", are_two ? both + " see the person" : who + " sees the person",
-                     change.fit.before_m, are_two ? "apart" : "from where the others do", which,
-                     are_two ? "" : ". Leave it out with \"sensors\" in the study"));
+         fmt::format("{} {:.2f} m {}; {}{}",
+                     are_two ? words.both + " see the person" : who + " sees the person", change.fit.before_m,
+                     are_two ? "apart" : "from where the others do", undecided_text(change, words),
+                     leave_out_text(words, "Leave")));
   }
 
-  static std::vector<Cause> causes_texts(const StreamChange& change, double before_m, const std::string& who,
-                                         const std::string& others, const std::string& both) {
+  static std::string leave_out_text(const SensorWords& words, const char* verb) {
+    return words.both.empty() ? fmt::format(". {} it out with \"sensors\" in the study", verb) : "";
+  }
+
+  static std::string effect_text(const SensorChange& change, const SensorWords& words) {
+    return fmt::format("put right, its mean distance from {} {}", words.others,
+                       falls_text(change.fit.before_m, change.fit.after_m));
+  }
+
+  void note_push(const SensorChange& change, const SensorWords& words) {
+    const bool are_two = !words.both.empty();
+    checks_.misplaced = true;
+    note(planned_.take.session,
+         fmt::format("{} moved during the take: at {:.1f} s its view shifts by {:.2f} m against {}; {}. "
+                     "Was it pushed? Then record again{}",
+                     are_two ? "one of " + words.both : words.who, *change.pushed_s, change.pushed_m,
+                     are_two ? "the other's" : "the others'", effect_text(change, words),
+                     leave_out_text(words, "Or leave")));
+  }
+
+  void note_cause(const SensorChange& change, const SensorWords& words) {
+    std::vector<std::string> what, remedy;
+    const std::vector<Cause> causes = causes_texts(change.fit.changes.front(), change.fit.before_m, words);
+    for (const Cause& cause : causes) {
+      what.push_back(cause.what);
+      remedy.push_back(cause.remedy);
+    }
+    const bool is_pose = std::ranges::all_of(causes, &Cause::is_pose);
+    checks_.misplaced |= is_pose;
+    note(is_pose ? planned_.take.calibration : planned_.take.session,
+         fmt::format("{}; {}. {}{}", fmt::join(what, ", and "), effect_text(change, words),
+                     fmt::join(remedy, "; "), leave_out_text(words, "Or leave")));
+  }
+
+  static std::string undecided_text(const SensorChange& change, const SensorWords& words) {
+    if (change.fit.status != StreamFitStatus::one_of)
+      return "none of these explains it: another pose, a mirror, a clock that is off by up to 3 s, another "
+             "scale, a push during the take; is it the same person?";
+    std::vector<std::string> changes;
+    for (const StreamChange& one : change.fit.changes) {
+      std::vector<std::string> what;
+      for (const Cause& cause : causes_texts(one, change.fit.before_m, words)) what.push_back(cause.what);
+      changes.push_back(fmt::format("{}", fmt::join(what, ", and ")));
+    }
+    return fmt::format("one of these explains it, and the motion does not say which: {}",
+                       fmt::join(changes, "; or "));
+  }
+
+  static std::vector<Cause> causes_texts(const StreamChange& change, double before_m,
+                                         const SensorWords& words) {
+    const auto& [who, others, both] = words;
     std::vector<Cause> causes;
     if (change.mirrored)
       causes.push_back(
