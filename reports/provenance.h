@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/table.h"

@@ -8,7 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "reports/claims/claims.h"
 #include "reports/figures/figures.h"
 #include "reports/provenance.h"
@@ -37,7 +37,7 @@ void check_names(const std::vector<std::filesystem::path>& results) {
 std::vector<Table> parameter_tables(const std::vector<std::filesystem::path>& results) {
   std::vector<std::pair<std::vector<SimulationAssumption>, std::string>> seen;
   for (const std::filesystem::path& folder : results) {
-    const std::vector<SimulationAssumption> parameters = read_declared_parameters(folder);
+    const std::vector<SimulationAssumption> parameters = read_simulation_assumptions(folder);
     if (parameters.empty()) continue;
     const auto same =
         std::ranges::find_if(seen, [&](const auto& other) { return other.first == parameters; });

@@ -156,7 +156,7 @@ struct CampaignWand {
 };
 
 // A recording of a ball at places whose distance from a sensor was measured, as with a laser meter;
-// `places` is a CSV that states them (FORMATS.md).
+// `places` is a CSV that states them.
 struct StatedDistances {
   std::filesystem::path session;
   std::filesystem::path places;

@@ -12,7 +12,7 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "pipeline/accuracy/evaluate_take.h"
@@ -324,7 +324,7 @@ ItemCounts run_accuracy(const AccuracyStudy& asked, const fs::path& folder, cons
   if (asked.cross_check) check_cross_check(plan);
   const ErrorSettings errors{plan.study.alignments, plan.study.training_share, plan.study.occluded_apart,
                              plan.study.rate_hz};
-  const std::vector<SimulationAssumption> simulator = read_declared_parameters(asked.campaign.folder);
+  const std::vector<SimulationAssumption> simulator = read_simulation_assumptions(asked.campaign.folder);
 
   std::vector<ResultsRun::Item> items;
   for (const PlannedTake& planned : plan.takes)
@@ -347,7 +347,7 @@ ItemCounts run_accuracy(const AccuracyStudy& asked, const fs::path& folder, cons
   });
   if (run.is_whole())
     run.publish_results(manifest, [&](const fs::path& into) {
-      if (!simulator.empty()) write_declared_parameters(into, simulator);
+      if (!simulator.empty()) write_simulation_assumptions(into, simulator);
       write_study(plan, errors, notes, asked.cross_check, run, into, run.control("summary"));
     });
   return run.tally();

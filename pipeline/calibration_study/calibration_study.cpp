@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "pipeline/calibration_study/calibration_errors.h"
 #include "pipeline/calibration_study/calibration_tables.h"
 #include "pipeline/study/results_run.h"
@@ -124,8 +124,8 @@ void write_study(const CalibrationSpec& spec, const Campaign& campaign,
   if (summary.recordings.empty())
     throw InputError("campaign \"" + campaign.name + '"', summary.failed.front());
   summary.numbers = calibration_numbers(made);
-  const std::vector<SimulationAssumption> simulator = read_declared_parameters(campaign.folder);
-  if (!simulator.empty()) write_declared_parameters(folder, simulator);
+  const std::vector<SimulationAssumption> simulator = read_simulation_assumptions(campaign.folder);
+  if (!simulator.empty()) write_simulation_assumptions(folder, simulator);
   store_tables(folder, calibration_tables(summary, made));
   write_json_file(folder, StoredFigures{calibration_figures(summary.simulated, made)});
   write_results(folder, summary);

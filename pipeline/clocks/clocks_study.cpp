@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/figure.h"
 #include "evaluators/metrics/statistics.h"
 #include "pipeline/clocks/clock_trial.h"
@@ -276,8 +276,8 @@ ItemCounts run_clocks(const ClocksSpec& spec, const Campaign& campaign, const fs
       auto summary = read_as<ClocksSummary>(outcome.json, outcome.place());
       summary.numbers = read_numbers(outcome.folder, summary.rows);
       summary.campaign = campaign.name;  // which is not in the item's key
-      const std::vector<SimulationAssumption> simulator = read_declared_parameters(campaign.folder);
-      if (!simulator.empty()) write_declared_parameters(into, simulator);
+      const std::vector<SimulationAssumption> simulator = read_simulation_assumptions(campaign.folder);
+      if (!simulator.empty()) write_simulation_assumptions(into, simulator);
       store_tables(into, clocks_tables(summary));
       write_json_file(into, StoredFigures{});
       write_results(into, summary);

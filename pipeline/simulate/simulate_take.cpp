@@ -149,7 +149,7 @@ std::optional<Take> simulate_recording(const SimulationSpec& spec, const Simulat
 }
 
 void write_rig(const SimulationSpec& spec, const SimulatedRig& rig, const std::filesystem::path& folder) {
-  write_declared_parameters(folder, simulation_parameters(spec));  // first: by it a simulation is known
+  write_simulation_assumptions(folder, simulation_parameters(spec));  // first: by it a simulation is known
   Calibration calibration{kSimulatedTruth, rig.poses};
   if (spec.rig.position_sigma_m > 0.0 || spec.rig.rotation_sigma_rad > 0.0)
     calibration = perturbed(calibration, spec.rig.position_sigma_m, spec.rig.rotation_sigma_rad, spec.seed);

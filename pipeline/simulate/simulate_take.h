@@ -9,7 +9,7 @@
 
 #include "datasets/base/json.h"
 #include "datasets/mocap/mocap_take.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "datasets/rig/campaign.h"
 #include "datasets/synthetic/simulated_sensor.h"
 #include "pipeline/simulate/calibration_recordings.h"

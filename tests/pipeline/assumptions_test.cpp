@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "reports/write_report.h"
 #include "tests/pipeline/campaigns.h"
@@ -73,12 +73,12 @@ struct RecordedSession {
 TEST(Assumptions, OfARecordedTakeNameTheRecordingInPlaceOfThePersonAndTheMocap) {
   RecordedSession recorded;
   const Campaign campaign = simulate_into(recorded.folder / "campaign", recorded.spec);
-  const auto parameters = read_declared_parameters(recorded.folder / "campaign");
+  const auto parameters = read_simulation_assumptions(recorded.folder / "campaign");
   EXPECT_EQ(value_of(parameters, "motion"), "recorded take");
   EXPECT_EQ(value_of(parameters, "participants"), "1");
   EXPECT_EQ(value_of(parameters, "marker noise"), "no marker noise");
   execute_study(mean_study(), campaign, recorded.folder / "results", {});
-  EXPECT_EQ(read_declared_parameters(recorded.folder / "results"), parameters);
+  EXPECT_EQ(read_simulation_assumptions(recorded.folder / "results"), parameters);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datasets/base/document.h"
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "datasets/rig/skeleton.h"
 
 namespace trilat {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/results/declared_parameters.h"
+#include "datasets/results/simulation_assumptions.h"
 
 #include "datasets/results/results_file.h"
 
@@ -17,12 +17,12 @@ struct Parameters {
 
 }  // namespace
 
-void write_declared_parameters(const std::filesystem::path& folder,
+void write_simulation_assumptions(const std::filesystem::path& folder,
                                const std::vector<SimulationAssumption>& parameters) {
   write_json_file(folder, Parameters{parameters});
 }
 
-std::vector<SimulationAssumption> read_declared_parameters(const std::filesystem::path& folder) {
+std::vector<SimulationAssumption> read_simulation_assumptions(const std::filesystem::path& folder) {
   return read_json_file<Parameters>(folder).value_or(Parameters{}).parameters;
 }
 
