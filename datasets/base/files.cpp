@@ -48,6 +48,25 @@ void sync_file(const std::filesystem::path& path) {
   if (file.fd < 0 || ::fsync(file.fd) != 0) refuse_output(path, "synced to disk");
 }
 
+std::string_view foreign_kind(std::string_view first_bytes) {
+  constexpr std::pair<std::string_view, std::string_view> kKinds[] = {
+      {"version https://git-lfs", "is a pointer of Git LFS; `git lfs pull` fetches the file itself"},
+      {"<!DOCTYPE", "is a web page, saved in place of the file; download the file itself"},
+      {"<!doctype", "is a web page, saved in place of the file; download the file itself"},
+      {"<html", "is a web page, saved in place of the file; download the file itself"},
+      {"\xFF\xFE", "is text in UTF-16; save the file as UTF-8"},
+      {"\xFE\xFF", "is text in UTF-16; save the file as UTF-8"},
+      {"PK\x03\x04", "is a spreadsheet or an archive; unpack it, or save the table as CSV"},
+      {"\x1F\x8B", "is compressed; unpack it first"},
+      {"\x89HDF", "is HDF5, as sessions and the takes of results are"},
+      {"\x93NUMPY", "is an array of numpy; write it with write_joints() of the Python package"},
+      {"MATLAB 5", "is a MAT-file of MATLAB; write positions as CSV or TRC"},
+      {"%PDF", "is a PDF"}};
+  for (const auto& [begin, kind] : kKinds)
+    if (first_bytes.starts_with(begin)) return kind;
+  return {};
+}
+
 std::filesystem::path partial_name(const std::filesystem::path& path) { return path.string() + ".partial"; }
 
 void publish_file(const std::filesystem::path& partial, const std::filesystem::path& path) {

@@ -22,6 +22,37 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
                      before.size() - (before.rfind('\n') + 1) + 1);
 }
 
+bool parses_without_comments(std::string_view text) {
+  return !Json::parse(text, nullptr, false, true).is_discarded();
+}
+
+// What people write that JSON does not have, at the place where it cannot be read; else the parser's own
+// words.
+std::string syntax_problem(std::string_view text, std::size_t at, const std::string& parser_says) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  const auto expects = [&](const char* what) { return parser_says.find(what) != std::string::npos; };
+  const std::string_view rest = text.substr(std::min(at, text.size()));
+  const std::size_t last = text.substr(0, at).find_last_not_of(kBlank);
+  const char before = last == std::string_view::npos ? '\0' : text[last];
+  const auto begins = [&](auto... words) { return (rest.starts_with(words) || ...); };
+  if (text.find_first_not_of(kBlank) == std::string_view::npos) return "is empty";
+  if (const std::string_view kind = foreign_kind(text); !kind.empty())
+    return std::string(kind) + "; a JSON document is wanted";
+  if (begins("/") && parses_without_comments(text))
+    return "has a comment, which JSON does not have; delete it";
+  if (before == ',' && begins("}", "]")) return "has a comma before a closing bracket; delete the comma";
+  if (begins("'", "\xe2\x80\x9c", "\xe2\x80\x9d", "\xe2\x80\x98", "\xe2\x80\x99"))
+    return "has another quotation mark than \", in which keys and texts stand";
+  if (begins("T", "F", "N", "I") && !expects("expected string literal"))
+    return "has a word that JSON does not have; it writes true, false and null";
+  if (expects("unexpected end of input")) return "ends before its last bracket is closed; is it whole?";
+  if (expects("unexpected number literal; expected string literal"))
+    return "has a number where a key stands; is it a decimal comma? JSON writes 1.5";
+  if (expects("; expected '}'") || expects("; expected ']'")) return "has no comma between two values";
+  if (expects("expected string literal")) return "has a key without quotation marks; write \"key\"";
+  return "is not valid JSON: " + parser_says;
+}
+
 }  // namespace
 
 Json parse_json(std::string_view text, const std::string& place) {
@@ -47,8 +78,8 @@ Json parse_json(std::string_view text, const std::string& place) {
     std::string what = error.what();
     const auto colon = what.find("column");
     what = colon == std::string::npos ? what : what.substr(what.find(": ", colon) + 2);
-    throw InputError(place + ":" + line_and_column(text, error.byte == 0 ? 0 : error.byte - 1),
-                     "is not valid JSON: " + what);
+    const std::size_t at = error.byte == 0 ? 0 : error.byte - 1;
+    throw InputError(place + ":" + line_and_column(text, at), syntax_problem(text, at, what));
   } catch (const nlohmann::json::exception& error) {
     throw InputError(place, std::string("is not valid JSON: ") + error.what());
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <string_view>
@@ -15,6 +17,7 @@
 #include <unistd.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/hdf5/chunk_codec.h"
 
 namespace trilat {
@@ -54,11 +57,22 @@ std::string without_colon(const std::string& place) {
   throw InputError(without_colon(place), doing + " (" + library_reason() + ")");
 }
 
-// Whether a file that cannot be opened begins as HDF5 does: then it has been cut, or was never closed.
-bool begins_as_hdf5(const std::filesystem::path& path) {
-  std::array<char, 4> head{};
+// Of a file that the library cannot open.
+[[noreturn]] void refuse_unreadable(const std::filesystem::path& path) {
+  std::array<char, 32> bytes{};
   std::ifstream file(path, std::ios::binary);
-  return file.read(head.data(), head.size()) && std::string_view(head.data(), head.size()) == "\x89HDF";
+  if (!file) throw InputError(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
+  file.read(bytes.data(), bytes.size());
+  const std::string_view head(bytes.data(), static_cast<std::size_t>(file.gcount()));
+  if (head.empty()) throw InputError(path.string(), "is empty");
+  if (head.starts_with("\x89HDF"))
+    throw InputError(
+        path.string(),
+        "is cut short or damaged: it begins as HDF5 does, and is not a readable HDF5 file; copy it "
+        "again whole");
+  if (const std::string_view kind = foreign_kind(head); !kind.empty())
+    throw InputError(path.string(), std::string(kind));
+  throw InputError(path.string(), "is not an HDF5 file, as sessions and the takes of results are");
 }
 
 [[noreturn]] void refuse_output(const std::string& place, const std::string& doing) {
@@ -406,12 +420,8 @@ H5File H5File::open(const std::filesystem::path& path) {
     id = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
     file.unfinished_ = true;
   }
-  if (id < 0 && begins_as_hdf5(path))
-    throw InputError(
-        path.string(),
-        "is cut short or damaged: it begins as HDF5 does, and is not a readable HDF5 file; copy it "
-        "again whole");
-  file.id_ = wrap(id, close_file, path.string(), "is not a readable HDF5 file");
+  if (id < 0) refuse_unreadable(path);
+  file.id_ = {id, close_file};
   return file;
 }
 

@@ -53,13 +53,7 @@ constexpr OtherFormat kOtherFormats[] = {
     {"[",
      "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
      "trilat.convert azure-kinect` makes one of offline_processor's JSON"},
-    {"Format Version;", "has semicolons between its cells; save the file with commas"},
-    {"\xFF\xFE", "is text in UTF-16; save the file as UTF-8"},
-    {"\xFE\xFF", "is text in UTF-16; save the file as UTF-8"},
-    {"PK\x03\x04", "is a spreadsheet or an archive; save the table as CSV"},
-    {"\x1F\x8B", "is compressed; unpack it first"},
-    {"\x89HDF", "is HDF5, as a session is, and no motion capture"},
-    {"\x93NUMPY", "is an array of numpy; write it with write_joints() of the Python package"}};
+    {"Format Version;", "has semicolons between its cells; save the file with commas"}};
 constexpr const char* kKnownFormats =
     "is neither motion capture (Motive's CSV, which begins with \"Format Version,1.2\", or TRC) nor a CSV of "
     "joints, whose first row is time_s,joint,x_m,y_m,z_m";
@@ -81,6 +75,8 @@ bool is_wide_table(const std::vector<std::string>& names) {
 [[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
   for (const OtherFormat& format : kOtherFormats)
     if (line.starts_with(format.begins)) throw InputError(place, format.text);
+  if (const std::string_view kind = foreign_kind(line); !kind.empty())
+    throw InputError(place, std::string(kind));
   if (line.size() > 1 && (line[0] == '\0' || line[1] == '\0'))
     throw InputError(place, "is text in UTF-16; save the file as UTF-8");
   if (is_numbers_only(line))

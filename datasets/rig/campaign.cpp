@@ -128,11 +128,10 @@ void Take::fields(Take& self, Fields& f) {
   f("id", self.id, need("Name of the take and of its files"));
   f("participant", self.participant, need("Person who is seen"));
   f("activity", self.activity, opt("Activity of the person, the condition in studies"));
-  file("session", self.session, "recording, relative to this file; a take may have joints instead");
-  file("calibration", self.calibration, "of the sensors");
-  file("mocap", self.mocap,
-       "the truth; a take without one is judged by leaving out one sensor after the other");
-  file("mapping", self.mapping, "of the truth's assets to joints");
+  file("session", self.session, "Recording, relative to this file; a take may have joints instead");
+  file("calibration", self.calibration, "Calibration of its sensors");
+  file("mocap", self.mocap, "Truth; a take without one is judged by leaving out one sensor after the other");
+  file("mapping", self.mapping, "Mapping of the truth's assets to joints");
   const bool has_mocap = !self.mocap.empty(), has_session = !self.session.empty();
   if (f.writes_if(has_mocap && has_session))
     f("mocap_start_host_ns", self.mocap_start_host_ns,
@@ -158,6 +157,8 @@ void Take::fields(Take& self, Fields& f) {
 void Take::check(const JsonPlace& place) const {
   if (!is_plain_name(id))
     place.at("id").refuse("must be 1 to 100 letters, digits, '-', '_' or '.', not starting with '.'");
+  if (participant.find_first_not_of(" \t") == std::string::npos)
+    place.at("participant").refuse("must name the person; intervals are between participants");
   if (std::abs(mocap_start_host_ns / 2) > (std::int64_t{1} << 60))
     place.at("mocap_start_host_ns").refuse("is a time that no clock shows");
   std::set<std::string> methods;

@@ -131,6 +131,42 @@ int run(const Arguments& a) {
   return end_of(report);
 }
 
+void add_options(CLI::App& verb, Arguments& a) {
+#ifdef _WIN32
+  a.source = "kinect";
+  const char* sources = "kinect, or test:SECONDS to try the way without a sensor";
+#else
+  const std::string sources = source_help() + ", or test:SECONDS; at real speed only";
+#endif
+  verb.add_option("--name", a.name, "of this agent, and of its sensor in the session")->required();
+  auto* source = verb.add_option("--source", a.source, sources);
+  if (a.source.empty()) source->required();
+  verb.add_option("--recorder,--server", a.recorder,
+                  "USER@HOST, reached by ssh; HOST:PORT of this machine, as a tunnel's end; without it the "
+                  "log stays here");
+  verb.add_option("--via", a.via, "a command whose standard input and output lead to `trilat receive`")
+      ->excludes("--recorder");
+  verb.add_option("--remote-program", a.remote_program, "where trilat lies on the recorder's machine")
+      ->capture_default_str();
+  verb.add_option("--folder", a.folder, "of this agent's log, until the recorder has all of it")
+      ->capture_default_str();
+  verb.add_option("--duration-s", a.duration_s, "ends by itself after so many seconds")
+      ->check(CLI::Range(0.1, 1e6));
+}
+
+void add_removed_options(CLI::App& verb) {
+  for (const char* option : {"--keys", "--plain-text", "--buffer-mb"})
+    verb.add_option_function<std::vector<std::string>>(
+            option,
+            [option](const std::vector<std::string>&) {
+              throw InputError(option,
+                               "was removed; --recorder USER@HOST goes through SSH, and what is not sent "
+                               "waits on the disk");
+            })
+        ->expected(0, 1)
+        ->group("");
+}
+
 int agent_main(int argc, char** argv) {
   CLI::App app(
       "Records depth and bodies of a sensor on this computer and sends them to a recording elsewhere.\n"
@@ -144,38 +180,9 @@ int agent_main(int argc, char** argv) {
   app.set_version_flag("--version", kProgramVersion);
   app.require_subcommand(1);
   Arguments a;
-#ifdef _WIN32
-  a.source = "kinect";
-  const char* sources = "kinect, or test:SECONDS to try the way without a sensor";
-#else
-  const std::string sources = source_help() + ", or test:SECONDS; at real speed only";
-#endif
-  auto* verb = app.add_subcommand("run", "record what a source delivers, and send it");
-  verb->add_option("--name", a.name, "of this agent, and of its sensor in the session")->required();
-  auto* source = verb->add_option("--source", a.source, sources);
-  if (a.source.empty()) source->required();
-  verb->add_option("--recorder,--server", a.recorder,
-                   "USER@HOST, reached by ssh; HOST:PORT of this machine, as a tunnel's end; without it the "
-                   "log stays here");
-  verb->add_option("--via", a.via, "a command whose standard input and output lead to `trilat receive`")
-      ->excludes("--recorder");
-  verb->add_option("--remote-program", a.remote_program, "where trilat lies on the recorder's machine")
-      ->capture_default_str();
-  verb->add_option("--folder", a.folder, "of this agent's log, until the recorder has all of it")
-      ->capture_default_str();
-  verb->add_option("--duration-s", a.duration_s, "ends by itself after so many seconds")
-      ->check(CLI::Range(0.1, 1e6));
-  std::vector<std::string> gone;
-  for (const char* option : {"--keys", "--plain-text", "--buffer-mb"})
-    verb->add_option_function<std::vector<std::string>>(
-            option,
-            [option](const std::vector<std::string>&) {
-              throw InputError(option,
-                               "was removed; --recorder USER@HOST goes through SSH, and what is not sent "
-                               "waits on the disk");
-            })
-        ->expected(0, 1)
-        ->group("");
+  CLI::App* const verb = app.add_subcommand("run", "record what a source delivers, and send it");
+  add_options(*verb, a);
+  add_removed_options(*verb);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

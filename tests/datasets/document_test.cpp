@@ -36,10 +36,34 @@ TEST(StrictJson, RefusesEndlessNesting) {
               HasSubstr("nests deeper"));
 }
 
-TEST(StrictJson, ASyntaxErrorNamesLineAndColumn) {
-  EXPECT_THAT(message_of([] { parse_json("{\"a\": 1,\n \"b\": 2 \"c\": 3}", "a.json"); }),
-              HasSubstr("a.json:2:11: is not valid JSON"));
-  EXPECT_THAT(message_of([] { parse_json("", "a.json"); }), HasSubstr("a.json:1:1: "));
+TEST(StrictJson, ASyntaxErrorNamesLineColumnAndWhatAPersonMeant) {
+  const std::pair<std::string, const char*> texts[] = {
+      {"{\"a\": 1,\n \"b\": 2 \"c\": 3}", "a.json:2:11: has no comma between two values"},
+      {"{\"a\": [1 2]}", "a.json:1:10: has no comma"},
+      {"", "a.json:1:1: is empty"},
+      {" \r\n", "is empty"},
+      {"{\"a\": 1} // why", "a.json:1:10: has a comment, which JSON does not have; delete it"},
+      {"{/* why */ \"a\": 1}", "a.json:1:2: has a comment"},
+      {"{\"a\": 1,\n}", "a.json:2:1: has a comma before a closing bracket"},
+      {"[1, 2, ]", "has a comma before a closing bracket"},
+      {"{'a': 1}", "a.json:1:2: has another quotation mark"},
+      {"{\u201ca\u201d: 1}", "has another quotation mark"},
+      {"{\"a\": True}", "a.json:1:7: has a word that JSON does not have; it writes true"},
+      {"{\"a\": None}", "has a word that JSON does not have"},
+      {"{\"a\": NaN}", "has a word that JSON does not have"},
+      {"{Name: 1}", "a.json:1:2: has a key without quotation marks"},
+      {"{name: 1}", "has a key without quotation marks"},
+      {"{\"a\": 1,5}", "a.json:1:9: has a number where a key stands; is it a decimal comma?"},
+      {"{\"a\": {\"b\": 1}", "ends before its last bracket is closed"},
+      {std::string("\xff\xfe{\0", 4), "is text in UTF-16"},
+      {"\x89HDF\r\n", "is HDF5, as sessions"},
+      {"version https://git-lfs.github.com/spec/v1\n", "a.json:1:1: is a pointer of Git LFS; `git lfs pull`"},
+      {"<!DOCTYPE html><html>", "is a web page"},
+      {"PK\x03\x04", "is a spreadsheet or an archive"},
+      {"{\"a\": 01}", "is not valid JSON"},
+      {"{\"a\": /}", "is not valid JSON"}};
+  for (const auto& [text, problem] : texts)
+    EXPECT_THAT(message_of([&] { parse_json(text, "a.json"); }), HasSubstr(problem)) << text;
 }
 
 TEST(StrictJson, TheNearestNameIsSuggestedAndAFarOneIsNot) {

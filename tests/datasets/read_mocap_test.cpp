@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "datasets/mocap/read_mocap.h"
+
 #include <cmath>
 #include <string>
 #include <vector>
@@ -7,7 +9,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/mocap/mocap_text.h"
-#include "datasets/mocap/read_mocap.h"
 #include "tests/datasets/temporary_file.h"
 #include "tests/support/whole_take.h"
 

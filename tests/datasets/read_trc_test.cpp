@@ -206,6 +206,8 @@ TEST(TrcReader, SaysThatCommasAreNoTabs) {
 TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
   const std::pair<std::string, const char*> files[] = {
       {"NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\n", "is Qualisys' TSV, which is not read; export C3D"},
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:1\n", "is a pointer of Git LFS; `git lfs pull`"},
+      {"<!DOCTYPE html>\n<html>\n", "is a web page, saved in place of the file"},
       {"Trajectories\n100\n", "is a CSV of Vicon Nexus"},
       {"HIERARCHY\nROOT Hips\n", "is BVH, whose joints are angles"},
       {"<?xml version=\"1.0\"?>\n", "is XML, such as Xsens' MVNX"},

@@ -136,7 +136,16 @@ TEST(Session, OtherFilesAreRefusedWithTheReason) {
   EXPECT_THAT(message_of([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
   const auto text = scratch("text.h5");
   std::ofstream(text) << "not HDF5";
-  EXPECT_THAT(message_of([&] { SessionReader reader(text); }), HasSubstr("is not a readable HDF5 file"));
+  EXPECT_THAT(message_of([&] { SessionReader reader(text); }), HasSubstr("is not an HDF5 file, as sessions"));
+  const std::pair<std::string, const char*> texts[] = {
+      {"", "is empty"},
+      {"version https://git-lfs.github.com/spec/v1\n", "is a pointer of Git LFS; `git lfs pull`"},
+      {"<!DOCTYPE html>", "is a web page"},
+      {"PK\x03\x04 ", "an archive"}};
+  for (const auto& [begin, problem] : texts) {
+    write_file(text, begin);
+    EXPECT_THAT(message_of([&] { SessionReader reader(text); }), HasSubstr(problem)) << begin;
+  }
   const auto other = scratch("other.h5");
   H5File::create(other).set_text("format", "something else");
   EXPECT_THAT(message_of([&] { SessionReader reader(other); }), HasSubstr("not a session"));

@@ -320,6 +320,65 @@ TEST_P(SpoiledTakes, AreNamedWithSizeAndRemedy) {
 INSTANTIATE_TEST_SUITE_P(All, SpoiledTakes, testing::ValuesIn(all_spoiled()),
                          [](const auto& spoiled) { return spoiled.param.what; });
 
+Spoil started_s(double later_s) {
+  return [=](Recorded& recorded) {
+    recorded.take().mocap_start_host_ns += static_cast<std::int64_t>(later_s * 1e9);
+  };
+}
+
+struct Misplaced {
+  std::string what;
+  Activity activity;
+  double duration_s;
+  Spoil spoil;
+  std::vector<std::string> said;
+};
+
+// Places that the motion does not tell: too little of it is in both.
+std::vector<Misplaced> all_misplaced() {
+  const std::vector<std::string> apart{"mocap.csv: lies 0.", "m from where the sensors see the joints",
+                                       "is mocap_start_host_ns right, and the calibration in its world?"};
+  const auto moved = calibrated([](Calibration& c) {
+    for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m.x() += 0.7;
+  });
+  const auto raised = [](Recorded& recorded) {
+    change_export(recorded, [](const auto&, auto& rows) {
+      for (auto& row : rows)
+        for (std::size_t c = 3; c < row.size(); c += 3)
+          if (!row[c].empty()) row[c] = fmt::format("{:.6f}", std::stod(row[c]) + 0.5);
+    });
+  };
+  return {
+      {"sound", Activity::walking, 30.0, [](Recorded&) {}, {}},
+      {"standing", Activity::standing, 10.0, [](Recorded&) {}, {}},
+      {"late_start", Activity::walking, 30.0, started_s(20.0), apart},
+      {"early_start", Activity::walking, 30.0, started_s(-20.0), apart},
+      {"late_start_of_a_short_take", Activity::walking, 6.0, started_s(5.0), apart},
+      {"moved_calibration", Activity::standing, 10.0, moved, apart},
+      {"raised_truth", Activity::standing, 10.0, raised, apart},
+      {"hardly_covered", Activity::walking, 30.0, started_s(20.0), {"has truth for 10.0 s of the 30.0 s"}}};
+}
+
+class MisplacedTruth : public testing::TestWithParam<Misplaced> {};
+
+TEST_P(MisplacedTruth, IsNamedWithItsDistance) {
+  const ScratchFolder folder;
+  const auto& [what, activity, duration_s, spoil, said] = GetParam();
+  SimulationSpec spec = walking_spec(1, duration_s);
+  spec.activities[0].activity = activity;
+  spec.body_tracker = default_body_tracker();
+  Recorded recorded{simulate_into(folder / "campaign", spec), folder.path()};
+  spoil(recorded);
+  const StudySpec study = study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}])");
+  std::string notes;
+  for (const TakeNote& note : execute_study(study, recorded.campaign, folder / "results", {}).notes)
+    notes += note.place + ": " + note.text + "\n";
+  expect_one_note(notes, said);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MisplacedTruth, testing::ValuesIn(all_misplaced()),
+                         [](const auto& misplaced) { return misplaced.param.what; });
+
 TEST(SpoiledSensors, OfThreeTheMirroredOneIsNamedAndNoOther) {
   const ScratchFolder folder;
   SimulationSpec spec = recorded_spec();

@@ -19,6 +19,9 @@ constexpr double kMinScale = 0.15;
 // A joint is far from its truth beyond both: markers and trackers mean different points of a joint, which
 // makes up to a decimetre.
 constexpr double kFar_m = 0.25, kFarTimes = 3.0;
+// Trackers and markers lie up to a decimetre apart, and exchanged sides of a few joints leave the median.
+constexpr double kApart_m = 0.3;
+constexpr double kMinCovered = 0.5;  // of the take by its truth; less is said
 constexpr StreamFitOptions kLookedFor{
     .min_scale = kMinScale,
     .causes = kSizeCause | kPointSizeCause | kLaterSizeCause | kSidesCause | kMirrorCause,
@@ -49,6 +52,9 @@ class TruthChecker {
       note_change(fit);
     else if (fit.status == StreamFitStatus::one_of)
       note(planned_.take.mocap, stream_note(without_frames(fit), {"what the sensors see", names_}));
+    else
+      check_place(seen, truth);
+    check_coverage();
     find_far(fit);
     return std::move(checks_);
   }
@@ -108,6 +114,47 @@ class TruthChecker {
     }
     note(causes == kSidesCause ? planned_.take.mapping : planned_.take.mocap,
          fmt::format("{}: {}; {}", fmt::join(what, ", and "), effect, fmt::join(remedies, "; ")));
+  }
+
+  // The truth beside what the sensors see, as the stated start and the poses have it. A clock by the motion
+  // says more where it says anything.
+  void check_place(const PointStream& seen, const PointStream& truth) {
+    if (!planned_.in_mocap_world || !compares_absolute_positions(plan_.study)) return;
+    std::vector<double> apart_m;
+    for (std::size_t k = 0; k < seen.at_m.size(); ++k)
+      if (const double m = (seen.at_m[k] - truth.at_m[k]).norm(); std::isfinite(m)) apart_m.push_back(m);
+    if (apart_m.empty()) return;
+    const double median_m = median(std::move(apart_m));
+    add({.subject = "mocap",
+         .what = "apart",
+         .unit = "m",
+         .value = median_m,
+         .limit = kApart_m,
+         .beyond = median_m > kApart_m});
+    const bool is_explained =
+        data_.explained_by_sensor_check ||
+        std::ranges::find(data_.notes, planned_.take.mocap.string(), &TakeNote::place) != data_.notes.end();
+    if (median_m > kApart_m && !is_explained)
+      note(
+          planned_.take.mocap,
+          fmt::format("lies {:.2f} m from where the sensors see the joints, and the motion does not say why; "
+                      "is mocap_start_host_ns right, and the calibration in its world?",
+                      median_m));
+  }
+
+  void check_coverage() {
+    const std::size_t joints = plan_.joints.size();
+    std::size_t covered = 0;
+    for (std::size_t i = 0; i < data_.time.size(); ++i) {
+      bool any = false;
+      for (std::size_t j = 0; j < joints; ++j) any |= data_.truth(i, j, joints).allFinite();
+      covered += any ? 1 : 0;
+    }
+    if (static_cast<double>(covered) >= kMinCovered * static_cast<double>(data_.time.size())) return;
+    note(planned_.take.mocap, fmt::format("has truth for {:.1f} s of the {:.1f} s that the sensors recorded; "
+                                          "the rest is not evaluated",
+                                          static_cast<double>(covered) / plan_.study.rate_hz,
+                                          static_cast<double>(data_.time.size()) / plan_.study.rate_hz));
   }
 
   // Joints that lie far from where the sensors see them when all are laid over each other.
