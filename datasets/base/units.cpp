@@ -45,13 +45,16 @@ std::optional<LengthUnit> length_unit_from_text(std::string_view text) {
 std::string_view name_of(LengthUnit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
 
 std::string in_metres_text(double length, double min_m, double max_m) {
-  for (const LengthUnit unit : {LengthUnit::centimetre, LengthUnit::millimetre})
-    if (const double length_m = length * metres_per(unit); length_m >= min_m && length_m <= max_m) {
-      char number[32];  // an agent for Windows is built without fmt
-      std::snprintf(number, sizeof number, "%g", length_m);
-      return "; as " + std::string(name_of(unit)) + "s it would be " + number;
-    }
-  return {};
+  std::string text;
+  for (const LengthUnit unit : {LengthUnit::centimetre, LengthUnit::millimetre}) {
+    const double length_m = length * metres_per(unit);
+    if (length_m < min_m || length_m > max_m) continue;
+    char number[32];  // an agent for Windows is built without fmt
+    std::snprintf(number, sizeof number, "%g", length_m);
+    text += (text.empty() ? "; as " : ", as ") + std::string(name_of(unit)) +
+            (text.empty() ? "s it would be " : "s ") + number;
+  }
+  return text;
 }
 
 double metres_per(LengthUnit unit) { return kUnits[static_cast<std::size_t>(unit)].metres; }

@@ -85,6 +85,9 @@ void SensorPose::check(const JsonPlace& place) const {
 }
 
 void Calibration::check(const JsonPlace& place) const {
+  const std::string meant = nearest_name(world, {"optitrack", "wand"});
+  if (!meant.empty() && meant != world)
+    place.at("world").refuse("is \"" + world + "\"; did you mean \"" + meant + "\"?");
   std::set<std::string> names;
   for (std::size_t a = 0; a < sensors.size(); ++a) {
     if (!names.insert(sensors[a].name).second) place.at("sensors").at(a).at("name").refuse("is here twice");

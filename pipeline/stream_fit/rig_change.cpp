@@ -47,7 +47,29 @@ std::vector<std::vector<std::size_t>> orders_of_poses(std::size_t count) {
   return orders;
 }
 
+// Other conventions of the poses, each also with the camera's axes of OpenCV and of OpenGL.
+std::vector<RigChange> changes_of_convention(std::size_t sensors) {
+  using Inverse = PoseConvention::Inverse;
+  std::vector<RigChange> changes;
+  for (const Eigen::Vector3d& axes :
+       {Eigen::Vector3d(1.0, 1.0, 1.0), Eigen::Vector3d(-1.0, -1.0, 1.0), Eigen::Vector3d(-1.0, 1.0, -1.0)})
+    for (const bool w_first : {false, true})
+      for (const Inverse inverse : {Inverse::none, Inverse::pose, Inverse::rotation})
+        if (const PoseConvention convention{w_first, inverse}; !convention.is_ours())
+          changes.push_back({same_order(sensors), axes.asDiagonal().toDenseMatrix(), 1.0, convention});
+  return changes;
+}
+
 }  // namespace
+
+RigidTransform PoseConvention::meant(const RigidTransform& read) const {
+  RigidTransform pose = read;
+  const Eigen::Quaterniond& q = read.rotation;
+  if (w_first) pose.rotation = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w());
+  if (inverse == Inverse::pose) return pose.inverse();
+  if (inverse == Inverse::rotation) pose.rotation = pose.rotation.conjugate();
+  return pose;
+}
 
 std::vector<std::size_t> same_order(std::size_t count) {
   std::vector<std::size_t> order(count);
@@ -68,10 +90,14 @@ bool RigLooks::sees_any(std::size_t sensor) const {
   return std::ranges::any_of(looks_[sensor], [](const Eigen::Vector3d& at_m) { return at_m.allFinite(); });
 }
 
+RigidTransform RigLooks::pose_of(std::size_t sensor, const RigChange& change) const {
+  return change.convention.meant(sensors_[change.pose_of[sensor]].world_from_sensor);
+}
+
 double RigLooks::distance_m(const RigChange& change) const {
   std::vector<std::vector<Eigen::Vector3d>> placed(sensors_.size());
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
-    const RigidTransform& pose = sensors_[change.pose_of[s]].world_from_sensor;
+    const RigidTransform pose = pose_of(s, change);
     const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix() * change.axes;
     const Eigen::Vector3d position_m = pose.translation_m / change.distances;
     for (const Eigen::Vector3d& at_m : looks_[s]) placed[s].push_back(rotation * at_m + position_m);
@@ -95,7 +121,7 @@ double RigLooks::height_m(const RigChange& change) const {
   const std::size_t points = sensors_.front().in_sensor.points;
   double sum_m = 0.0, count = 0.0;
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
-    const RigidTransform& pose = sensors_[change.pose_of[s]].world_from_sensor;
+    const RigidTransform pose = pose_of(s, change);
     for (std::size_t k = 0; k < looks_[s].size(); k += points) {
       const Eigen::Vector3d between_m = looks_[s][k + upright_->high] - looks_[s][k + upright_->low];
       if (!between_m.allFinite()) continue;
@@ -155,6 +181,7 @@ std::optional<RigChange> RigLooks::change_of_all(bool all_agree) const {
   for (const bool mirrored : {true, false})
     for (const Eigen::Matrix3d& axes : signed_axes(mirrored)) look_at({same, axes});
   for (const std::vector<std::size_t>& order : orders_of_poses(sensors_.size())) look_at({order});
+  for (const RigChange& change : changes_of_convention(sensors_.size())) look_at(change);
   if (const RigChange scaled{same, Eigen::Matrix3d::Identity(), best_distances()};
       std::abs(std::log(scaled.distances)) > std::log1p(kMinDistances))
     look_at(scaled);

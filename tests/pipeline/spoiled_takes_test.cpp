@@ -242,6 +242,27 @@ std::vector<Spoiled> all_spoiled() {
        {"k1, k2: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},
       {"mirrored_truth", mirror_export, {"mocap.csv", "is mirrored", "right-handed axes"}},
       {"cut_export", cut_export, {"mocap.csv", "frames where its header promises", "was it cut?"}},
+      {"inverse_poses",
+       calibrated([](Calibration& c) {
+         for (SensorPose& sensor : c.sensors) sensor.world_from_sensor = sensor.world_from_sensor.inverse();
+       }),
+       {"calibration.json", "has poses from the world to the sensor, as OpenCV gives them, it seems",
+        "wanted are the inverse", "falls from"}},
+      {"z_up",
+       calibrated([](Calibration& c) {
+         const Eigen::Quaterniond up(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitX()));
+         for (SensorPose& sensor : c.sensors)
+           sensor.world_from_sensor = RigidTransform{up, {0.0, 0.0, 0.0}} * sensor.world_from_sensor;
+       }),
+       {"calibration.json", "has z up, it seems: the person stands along z"}},
+      {"w_first",
+       calibrated([](Calibration& c) {
+         for (SensorPose& sensor : c.sensors) {
+           Eigen::Quaterniond& q = sensor.world_from_sensor.rotation;
+           q = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y());
+         }
+       }),
+       {"calibration.json", "has quaternions in the order w, x, y, z, it seems; wanted are x, y, z, w"}},
       {"large_calibration",
        calibrated([](Calibration& c) {
          for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m *= 1.05;

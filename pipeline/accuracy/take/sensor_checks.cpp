@@ -7,6 +7,7 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
+#include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/take/take_checks.h"
 #include "pipeline/stream_fit/sensor_fit.h"
 #include "pipeline/stream_fit/stream_words.h"
@@ -69,6 +70,8 @@ class SensorChecker {
       note_changes(fit);
     else if (fit.groups.size() > 1)
       note_no_two(fit);
+    else if (planned_.level)
+      check_up();
     return std::move(checks_);
   }
 
@@ -145,6 +148,22 @@ class SensorChecker {
     return UprightPoints{static_cast<std::size_t>(high), static_cast<std::size_t>(low)};
   }
 
+  // The axis along which the person stands in the calibration's world.
+  void check_up() {
+    UpAxisEstimator standing;
+    const std::size_t step = 1 + bodies_.instants() / kMaxSameLooks;
+    for (std::size_t i = 0; i < bodies_.instants(); i += step)
+      for (const std::size_t s : sensors_)
+        for (int j = 0; j < kJointCount; ++j)
+          if (const auto joint = static_cast<Joint>(j); bodies_.at(i, s).has(joint))
+            standing.add(joint, planned_.world_from_sensor[s] * bodies_.at(i, s).at(joint));
+    if (standing.axis() != UpAxis::z) return;
+    checks_.misplaced = true;
+    note(planned_.take.calibration,
+         "has z up, it seems: the person stands along z in its world. Write its poses in a world with y up, "
+         "whose x, y, z are x, z, -y");
+  }
+
   static std::string falls_text(double before_m, double after_m) {
     return fmt::format("falls from {:.1f} to {:.1f} cm", kCentimetresPerMetre * before_m,
                        kCentimetresPerMetre * after_m);
@@ -162,6 +181,9 @@ class SensorChecker {
                        "person; {}. Is its length right (the wand's, the unit)? Calibrate again",
                        rig.distances > 1.0 ? "apart" : "together", percent,
                        rig.distances > 1.0 ? "short" : "long", effect));
+    } else if (!rig.convention.is_ours()) {
+      checks_.misplaced = true;
+      note(planned_.take.calibration, convention_text(rig) + "; " + effect + ". Write it so");
     } else if (!rig.axes.isIdentity()) {
       const bool is_mirrored = rig.axes.determinant() < 0.0;
       if (fit.height_m < 0.0) {
@@ -180,6 +202,29 @@ class SensorChecker {
       checks_.misplaced = true;
       note(planned_.take.calibration, poses_text(rig) + "; " + effect + ". Mend it");
     }
+  }
+
+  static std::string convention_text(const RigChange& rig) {
+    using Inverse = PoseConvention::Inverse;
+    std::vector<std::string> found, wanted;
+    if (rig.convention.w_first) {
+      found.emplace_back("quaternions in the order w, x, y, z");
+      wanted.emplace_back("x, y, z, w");
+    }
+    if (rig.convention.inverse == Inverse::pose) {
+      found.emplace_back("poses from the world to the sensor, as OpenCV gives them");
+      wanted.emplace_back("the inverse, from the sensor to the world");
+    }
+    if (rig.convention.inverse == Inverse::rotation) {
+      found.emplace_back("rotations from the world to the sensor beside positions in the world");
+      wanted.emplace_back("the inverse rotations, from the sensor to the world");
+    }
+    if (!rig.axes.isIdentity()) {
+      found.emplace_back("a camera's axes");
+      wanted.emplace_back("x to the sensor's left, y up, z out of the lens");
+    }
+    return fmt::format("has {}, it seems; wanted are {}", fmt::join(found, ", and "),
+                       fmt::join(wanted, ", and "));
   }
 
   std::string poses_text(const RigChange& rig) const {
