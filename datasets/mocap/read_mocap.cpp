@@ -44,6 +44,7 @@ constexpr OtherFormat kOtherFormats[] = {
     {"Trajectories", "is a CSV of Vicon Nexus, which is not read; export C3D or TRC instead"},
     {"Model Outputs", "is a CSV of Vicon Nexus, which is not read; export C3D or TRC instead"},
     {"Devices", "is a CSV of Vicon Nexus, which is not read; export C3D or TRC instead"},
+    {"Kaydara FBX", "is FBX, which is not read; export positions instead, as C3D, TRC or CSV"},
     {"HIERARCHY", "is BVH, whose joints are angles; export positions instead, as TRC or CSV"},
     {"Coordinates", "is a motion of OpenSim, whose joints are angles; write the markers as TRC instead"},
     {"<?xml", "is XML, such as Xsens' MVNX; export positions instead, as C3D, TRC or CSV"},

@@ -206,7 +206,10 @@ TEST(TrcReader, SaysThatCommasAreNoTabs) {
 TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
   const std::pair<std::string, const char*> files[] = {
       {"NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\n", "is Qualisys' TSV, which is not read; export C3D"},
-      {"version https://git-lfs.github.com/spec/v1\noid sha256:1\n", "is a pointer of Git LFS; `git lfs pull`"},
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:1\n",
+       "is a pointer of Git LFS; `git lfs pull`"},
+      {std::string("Kaydara FBX Binary  \0\x1A", 22), "is FBX, which is not read"},
+      {"\xD0\xCF\x11\xE0\xA1\xB1", "is a spreadsheet; save the table as CSV"},
       {"<!DOCTYPE html>\n<html>\n", "is a web page, saved in place of the file"},
       {"Trajectories\n100\n", "is a CSV of Vicon Nexus"},
       {"HIERARCHY\nROOT Hips\n", "is BVH, whose joints are angles"},
@@ -214,7 +217,7 @@ TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
       {"[{\"frame\": 1}]\n", "is JSON, and no motion capture"},
       {"\xFF\xFEt\0i\0", "is text in UTF-16"},
       {std::string("t\0i\0m\0e\0", 8), "is text in UTF-16"},
-      {"PK\x03\x04 and so on", "is a spreadsheet or an archive; save the table as CSV"},
+      {"PK\x03\x04 and so on", "is a spreadsheet or an archive; unpack it, or save the table as CSV"},
       {"\x89HDF\r\n", "is HDF5"},
       {"time_s;joint;x_m;y_m;z_m\n", "has semicolons between its cells"},
       {"time_s\tjoint\tx_m\ty_m\tz_m\n", "has tabs between its cells"},
