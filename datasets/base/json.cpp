@@ -2,6 +2,7 @@
 #include "datasets/base/json.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 #include <vector>
 
@@ -48,6 +49,9 @@ std::string syntax_problem(std::string_view text, std::size_t at, const std::str
   if (expects("unexpected end of input")) return "ends before its last bracket is closed; is it whole?";
   if (expects("unexpected number literal; expected string literal"))
     return "has a number where a key stands; is it a decimal comma? JSON writes 1.5";
+  if (const std::string_view digits = text.substr(text.substr(0, at).find_last_not_of("0123456789") + 1);
+      digits.size() > 1 && digits[0] == '0' && std::isdigit(static_cast<unsigned char>(digits[1])) != 0)
+    return "has a number that begins with 0";
   if (expects("; expected '}'") || expects("; expected ']'")) return "has no comma between two values";
   if (expects("expected string literal")) return "has a key without quotation marks; write \"key\"";
   return "is not valid JSON: " + parser_says;

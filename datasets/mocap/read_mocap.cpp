@@ -15,6 +15,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/text_output.h"
 #include "datasets/mocap/column_header.h"
 #include "datasets/mocap/missing_positions.h"

@@ -203,11 +203,11 @@ std::vector<JudgedClaim> judge_claims(std::span<const PaperClaim> claims,
   const std::vector<double> corrected = holm_adjusted(p_values);
   for (std::size_t k = 0; k < judged.size(); ++k) {
     if (judged[k].numbers.empty()) continue;
-    const ClaimPValues p_values = p_values_of(judged[k]);
-    const double decided = std::isnan(corrected[k]) ? p_values.decided() : corrected[k];
+    const ClaimPValues of_claim = p_values_of(judged[k]);
+    const double decided = std::isnan(corrected[k]) ? of_claim.decided() : corrected[k];
     judged[k].p = corrected[k];
     judged[k].verdict = !(decided <= kFalseVerdicts)      ? ClaimVerdict::undecided
-                        : p_values.fails < p_values.holds ? ClaimVerdict::does_not_hold
+                        : of_claim.fails < of_claim.holds ? ClaimVerdict::does_not_hold
                                                           : ClaimVerdict::holds;
     if (judged[k].verdict != ClaimVerdict::undecided) continue;
     if (std::string too_few = too_few_clusters(claims[k], judged[k]); !too_few.empty()) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/rig/calibration.h"
 
+#include <functional>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +45,39 @@ Calibration full_calibration() {
   calibration.sources = {{"session.h5", "abc"}, {"mocap.csv", "def"}};
   calibration.program = "0.1.0";
   return calibration;
+}
+
+// Each number of a sensor by itself, the others zero: none is left out because another is.
+TEST(Calibration, EveryNumberOfASensorIsWrittenWithoutTheOthers) {
+  using Member = std::function<double(SensorPose&, double)>;  // sets it, and gives what is there
+  const auto real = [](double SensorPose::*member) {
+    return
+        [member](SensorPose& pose, double value) { return value > 0 ? pose.*member = value : pose.*member; };
+  };
+  const auto count = [](std::uint64_t SensorPose::*member) {
+    return [member](SensorPose& pose, double value) {
+      if (value > 0) pose.*member = 1;
+      return 0.25 * static_cast<double>(pose.*member);
+    };
+  };
+  const std::vector<Member> members{real(&SensorPose::position_sigma_m),
+                                    real(&SensorPose::rotation_sigma_rad),
+                                    real(&SensorPose::depth_offset_m),
+                                    real(&SensorPose::residual_rms_m),
+                                    real(&SensorPose::depth_offset_sigma_m),
+                                    count(&SensorPose::used),
+                                    count(&SensorPose::left_out)};
+  const ScratchFolder folder;
+  for (std::size_t wanted = 0; wanted < members.size(); ++wanted) {
+    Calibration calibration;
+    calibration.method = "laser";
+    calibration.sensors.emplace_back().name = "k1";
+    members[wanted](calibration.sensors[0], 0.25);
+    write_calibration(folder / "calibration.json", calibration);
+    Calibration read = read_calibration(folder / "calibration.json");
+    for (std::size_t k = 0; k < members.size(); ++k)
+      EXPECT_EQ(members[k](read.sensors.at(0), 0.0), k == wanted ? 0.25 : 0.0) << wanted << " " << k;
+  }
 }
 
 TEST(Calibration, CovariancesEvidenceAndSourcesAreReadBackToTheBit) {

@@ -60,7 +60,8 @@ TEST(StrictJson, ASyntaxErrorNamesLineColumnAndWhatAPersonMeant) {
       {"version https://git-lfs.github.com/spec/v1\n", "a.json:1:1: is a pointer of Git LFS; `git lfs pull`"},
       {"<!DOCTYPE html><html>", "is a web page"},
       {"PK\x03\x04", "is a spreadsheet or an archive"},
-      {"{\"a\": 01}", "is not valid JSON"},
+      {"{\"a\": 01}", "has a number that begins with 0"},
+      {"{\"a\": 0012}", "has a number that begins with 0"},
       {"{\"a\": /}", "is not valid JSON"}};
   for (const auto& [text, problem] : texts)
     EXPECT_THAT(message_of([&] { parse_json(text, "a.json"); }), HasSubstr(problem)) << text;
@@ -76,6 +77,25 @@ TEST(StrictJson, TheNearestNameIsSuggestedAndAFarOneIsNot) {
   EXPECT_EQ(nearest_name("", verbs), "");
   EXPECT_EQ(nearest_name(std::string(100'000, 'r'), verbs), "");
   EXPECT_EQ(known_names("x", verbs), "allowed: run, merge, report, record");
+}
+
+struct Small {
+  std::int64_t number = 0;
+  std::uint64_t count = 0;
+  static void fields(auto& self, auto&& f) { f("number", self.number, "count", self.count); }
+};
+
+TEST(StrictJson, IntegersBeyondWhatIsHeldNameTheLimits) {
+  const auto refused = [](const char* text) {
+    return message_of([&] { read_as<Small>(parse_json(text, "a.json"), {"a.json", {}}); });
+  };
+  EXPECT_EQ(refused(R"({"number": 9223372036854775808, "count": 0})"),
+            "a.json /number: must lie between -9223372036854775808 and 9223372036854775807, is "
+            "9223372036854775808");
+  EXPECT_EQ(refused(R"({"number": 0, "count": -1})"),
+            "a.json /count: must be an integer of 0 or more, is the integer -1");
+  EXPECT_EQ(refused(R"({"number": 1.5, "count": 0})"),
+            "a.json /number: must be an integer, is the number 1.5");
 }
 
 enum class Shade : std::uint8_t { light, dark };

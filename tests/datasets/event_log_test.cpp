@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/session/event_log.h"
 
+#include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <utility>
@@ -307,6 +309,57 @@ TEST(WriteSession, RefusesOneLogTwiceAndTwoSensorsOfOneName) {
               HasSubstr("two sensors named \"k0\""));
   EXPECT_FALSE(std::filesystem::exists(folder / "s.h5"));
   EXPECT_FALSE(std::filesystem::exists(folder / "s.h5.partial"));
+}
+
+// A damaged length must not make a reader wait for what never comes, nor for a megabyte of other records.
+TEST(EventLog, WhatFollowsADamagedRecordHeadIsReadAtOnce) {
+  const ScratchFolder folder;
+  const auto texts = write_some(folder / "a.trilog");
+  const auto bytes = bytes_of_file(folder / "a.trilog");
+  std::uint32_t head_bytes = 0;
+  std::memcpy(&head_bytes, bytes.data() + 8, sizeof head_bytes);
+  const std::size_t head_end = 8 + 12 + head_bytes;
+  const std::vector<std::pair<std::size_t, std::byte>> damages{
+      {3, std::byte{0x7f}},  // length beyond any payload
+      {4, std::byte{0}},     // type below the first
+      {4, std::byte{99}},    // type behind the last
+      {6, std::byte{0}}};    // sync
+  for (const auto& [at, byte] : damages) {
+    auto damaged = bytes;
+    damaged.at(head_end + at) = byte;
+    std::vector<std::string> read;
+    LogScanner scanner("a.trilog",
+                       [&](std::size_t sensor, LogEvent&& event) { read.push_back(text_of(sensor, event)); });
+    scanner.feed(damaged);  // and no end
+    EXPECT_EQ(read, std::vector<std::string>(texts.begin() + 1, texts.end())) << at;
+  }
+}
+
+// Half of it is writing, half reading back: shares rise from 0 to 1.
+TEST(WriteSession, ClosingARecordingTellsItsProgress) {
+  const ScratchFolder folder;
+  {
+    EventLogWriter log(folder / "a.trilog", head_with(header_of(1, true)));
+    for (std::int64_t i = 0; i < 200; ++i) {
+      log.append(0, body_frame_of(i, 1));
+      log.append(0, encode_depth_frame({i, i, i}, depth_of(1), ChunkCompression::deflate));
+    }
+    log.finish();
+  }
+  std::vector<double> shares;
+  std::string left;
+  close_recording({{folder / "a.trilog"}}, folder / "s.h5", left, [&](double share) {
+    shares.push_back(share);
+    return true;
+  });
+  EXPECT_EQ(left, "");
+  ASSERT_GE(shares.size(), 2u);
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_GE(shares.front(), 0.0);
+  EXPECT_LE(shares.back(), 1.0);
+  EXPECT_TRUE(std::ranges::any_of(shares, [](double share) { return share >= 0.5; }));
+  EXPECT_TRUE(std::ranges::any_of(shares, [](double share) { return share < 0.5; }));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.trilog"));
 }
 
 TEST(WriteSession, WhatIsDamagedCostsNoMoreThanItselfAndIsReported) {

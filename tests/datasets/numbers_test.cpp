@@ -7,6 +7,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/results/item_store.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {
@@ -115,6 +116,25 @@ TEST(Numbers, DamageIsNamedWithItsRow) {
   EXPECT_THAT(damage_of(with(",1234,", ",-1,")), HasSubstr("numbers.csv:2: n is \"-1\"; it must be a count"));
   EXPECT_THAT(damage_of(with("condition,", "Condition,")), HasSubstr("numbers.csv:1: must be the line"));
   EXPECT_THAT(damage_of(""), HasSubstr("has 0 numbers, and 3 were written"));
+}
+
+TEST(Manifest, PartsOfTwoRunsAreRefusedWithBothNames) {
+  Manifest manifest;
+  manifest.place = JsonPlace("r/manifest.json");
+  manifest.study.kind = "accuracy";
+  manifest.study.name = "old";
+  manifest.campaign = "spring";
+  const auto refused = [&](const char* kind, const char* study, const char* campaign) {
+    return message_of([&] { check_same_run(manifest, kind, study, campaign); });
+  };
+  EXPECT_THAT(refused("accuracy", "new", "spring"),
+              HasSubstr("/study/name: is \"old\", and that of summary.json beside it \"new\""));
+  EXPECT_THAT(refused("clocks", "old", "spring"),
+              HasSubstr("/study/kind: is \"accuracy\", and that of summary.json beside it \"clocks\""));
+  EXPECT_THAT(refused("accuracy", "old", "autumn"),
+              HasSubstr("/campaign: is \"spring\", and that of summary.json beside it \"autumn\""));
+  EXPECT_NO_THROW(check_same_run(manifest, "accuracy", "old", "spring"));
+  EXPECT_NO_THROW(check_same_run(manifest, "accuracy", "old", ""));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "datasets/base/error.h"
 #include "datasets/mocap/mocap_text.h"
 #include "tests/datasets/temporary_file.h"
+#include "tests/support/scratch.h"
 #include "tests/support/whole_take.h"
 
 namespace trilat {
@@ -470,6 +471,22 @@ TEST(MocapAssets, ALongListIsCut) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.problem(), AllOf(HasSubstr("marker:m19 and 7 more"), Not(HasSubstr("m20"))));
   }
+}
+
+// Bones of a local export are relative to their parents; its markers and rigid bodies are not.
+TEST(MocapHeader, BonesOfALocalExportAreNoPlaces) {
+  const auto refused = [](AssetType type, const char* space) {
+    MocapHeader header;
+    header.coordinate_space = space;
+    header.assets = {{type, "a", "", "", true}};
+    return message_of([&] { assets_of_joint(header, {"a"}, "mapping.json /joints/head"); });
+  };
+  for (const AssetType type : {AssetType::bone, AssetType::bone_marker}) {
+    EXPECT_THAT(refused(type, "Local"), HasSubstr("relative to its parent"));
+    EXPECT_EQ(refused(type, "Global"), "no error");
+  }
+  for (const AssetType type : {AssetType::marker, AssetType::rigid_body, AssetType::rigid_body_marker})
+    EXPECT_EQ(refused(type, "Local"), "no error");
 }
 
 }  // namespace

@@ -309,6 +309,27 @@ TEST(Session, VerifyRefusesLossesThatAreNoCounts) {
                   std::to_string(drops.in_queue) + " because the queue was full are no counts"));
 }
 
+TEST(Session, VerifyCountsWhatItFinds) {
+  const auto change = [](std::int64_t i, BodyFrame& frame) {
+    if (i == 2 || i == 5) frame.bodies.clear();
+    if (i == 4) frame.stamp.device_ticks = body_frame_of(3, 1).stamp.device_ticks;
+    if (i == 7) {
+      frame.bodies[0].tracking_state[3] = 2;
+      frame.bodies[0].position_m[3][1] = std::numeric_limits<float>::infinity();
+    }
+    return i != 6;
+  };
+  const std::string said = said_of(written("counted.h5", 9, change, [](SessionWriter& writer) {
+    writer.add_clock_exchange(0, {10, 20, 10, 40});
+    writer.add_clock_exchange(0, {10, 20, 30, 40});
+  }));
+  for (const char* finding :
+       {"2 of 8 frames hold no body", "1 frames are missing by their sequence numbers",
+        "device ticks do not rise at 1 places", "1 tracked or inferred joints are not finite",
+        "1 of 2 exchanges run backwards"})
+    EXPECT_THAT(said, HasSubstr(finding));
+}
+
 TEST(Session, ControlCharactersOfAFileReachNoTerminal) {
   EXPECT_EQ(printable("a\x1b[31m\x7f\n\tb\xc3\xa4"), "a\\x1b[31m\\x7f\n\tb\xc3\xa4");
   EXPECT_STREQ(InputError("f\x1b", "is \x07").what(), "f\\x1b: is \\x07");

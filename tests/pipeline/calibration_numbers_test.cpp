@@ -27,7 +27,7 @@ TEST(ErrorStatistics, MeanDeviationAndQuantilesByPencil) {
   std::vector<ClusteredError> errors;
   for (std::size_t i : {4u, 0u, 2u, 1u, 3u}) errors.push_back({0, 1e-3 * static_cast<double>(i + 1)});
   errors.push_back({1, kNaN});
-  const ErrorStatistics spread = spread_of(errors);
+  const ErrorStatistics spread = statistics_of(errors);
   EXPECT_EQ(spread.asked, 6u);
   EXPECT_EQ(spread.answered, 5u);
   EXPECT_NEAR(spread.mean_m, 0.003, 1e-15);
@@ -39,14 +39,14 @@ TEST(ErrorStatistics, MeanDeviationAndQuantilesByPencil) {
 }
 
 TEST(ErrorStatistics, NothingAndOneErrorHaveNoNumbersTheyCannotHave) {
-  const ErrorStatistics nothing = spread_of({}), none = spread_of({{0, kNaN}});
+  const ErrorStatistics nothing = statistics_of({}), none = statistics_of({{0, kNaN}});
   EXPECT_EQ(nothing.asked, 0u);
   EXPECT_EQ(none.asked, 1u);
   for (const ErrorStatistics& spread : {nothing, none}) {
     EXPECT_EQ(spread.answered, 0u);
     EXPECT_TRUE(std::isnan(spread.mean_m) && std::isnan(spread.sd_m) && std::isnan(spread.max_m));
   }
-  const ErrorStatistics one = spread_of({{0, 0.25}});
+  const ErrorStatistics one = statistics_of({{0, 0.25}});
   EXPECT_EQ(one.mean_m, 0.25);
   EXPECT_EQ(one.p95_m, 0.25);
   EXPECT_TRUE(std::isnan(one.sd_m));
@@ -59,9 +59,9 @@ TEST(ErrorStatistics, AnIntervalIsBetweenClusters) {
       for (int i = 0; i < 100; ++i) errors.push_back({c, 1e-3 * static_cast<double>(c + 1)});
     return errors;
   };
-  EXPECT_TRUE(std::isnan(spread_of(clusters(1)).mean_low_m));
+  EXPECT_TRUE(std::isnan(statistics_of(clusters(1)).mean_low_m));
   // 1 to 4 mm: Student's t of three degrees, and a standard error of sqrt(5 / 3) / 2 mm
-  const ErrorStatistics spread = spread_of(clusters(4));
+  const ErrorStatistics spread = statistics_of(clusters(4));
   EXPECT_NEAR(spread.mean_low_m, 0.0025 - 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
   EXPECT_NEAR(spread.mean_high_m, 0.0025 + 3.182446 * 0.001 * std::sqrt(5.0 / 3.0) / 2.0, 1e-8);
 }

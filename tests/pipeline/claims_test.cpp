@@ -46,8 +46,8 @@ TEST(Claims, AStoredNumberIsJudgedByItsInterval) {
 }
 
 TEST(Claims, AChanceIsAtMostOneOnTheOtherSide) {
-  const ClaimPValues above = chance_of(estimate(0.2, 0.01), more_than(10)),
-                     below = chance_of(estimate(0.05, 0.01), more_than(10));
+  const ClaimPValues above = p_values_of(estimate(0.2, 0.01), more_than(10)),
+                     below = p_values_of(estimate(0.05, 0.01), more_than(10));
   EXPECT_LT(above.holds, 1e-6);
   EXPECT_EQ(above.fails, 1.0);
   EXPECT_EQ(below.holds, 1.0);

@@ -74,7 +74,7 @@ TEST(GateUnjudged, OtherRecordingsOfTenParticipantsAreJudged) {
   const Ended ended = nights.gate();
   EXPECT_EQ(ended.code, 1) << ended.out;
   EXPECT_THAT(ended.out, testing::AllOf(testing::StartsWith("REGRESSION: walks, nonlinear, walking"),
-                                        HasSubstr("judged between 10 participants"), HasSubstr("p = ")));
+                                        HasSubstr("judged between 10 participants"), HasSubstr(", p ")));
 }
 
 // Ten takes of which all but the first `same` were recorded again, and errors that `spoil` changes.
