@@ -41,10 +41,13 @@ class ChangeChoice {
     std::erase_if(left, [&](const JudgedChange* judged) { return count_of(judged) > fewest; });
     std::ranges::sort(left, {}, [](const JudgedChange* judged) { return judged->mean_m; });
     const JudgedChange& chosen = *left.front();
+    std::erase_if(left,
+                  [&](const JudgedChange* judged) { return !chosen.is_noticed || !judged->is_noticed; });
     // explanations of another kind that this one is not clearly better than
     for (const JudgedChange& other : judged_)
-      if (other.causes != 0 && other.causes != chosen.causes && count_of(&other) <= fewest &&
-          earns(judged_.front(), other) && !earns(other, chosen) && simplest(&other) == &other)
+      if (chosen.is_noticed && other.is_noticed && other.causes != 0 && other.causes != chosen.causes &&
+          count_of(&other) <= fewest && earns(judged_.front(), other) && !earns(other, chosen) &&
+          simplest(&other) == &other)
         left.push_back(&other);
     for (const JudgedChange* judged : left)
       if (std::ranges::none_of(fit.changes,

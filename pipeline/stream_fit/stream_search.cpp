@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -327,9 +328,12 @@ class ChangeSearch {
     for (Candidate& candidate : found->second) {
       refine(candidate);
       StreamChange change = fitted(pair_, blocks_, candidate.change);
-      if (!is_noticed(change)) continue;
-      JudgedChange judged{change, named_causes(change, options_), parameters_of(change),
-                          errors_of_change(pair_, blocks_, change)};
+      const unsigned causes = named_causes(change, options_);
+      // a cause by itself that is too small to be named still explains more simply than several
+      const bool noticed = is_noticed(change);
+      if (!noticed && std::popcount(causes) > 1) continue;
+      JudgedChange judged{change, causes, parameters_of(change), errors_of_change(pair_, blocks_, change)};
+      judged.is_noticed = noticed;
       if (answers_enough(judged.errors)) judged_.push_back(std::move(judged));
     }
   }

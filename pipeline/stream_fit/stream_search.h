@@ -14,8 +14,9 @@ struct JudgedChange {
   unsigned causes = 0;  // causes_of() it
   int parameters = 0;   // parameters_of() it
   ChangeErrors errors;
-  double mean_m =
-      0.0;  // of errors.judged_m, over the blocks that any change answers; NaN where there are none
+  // Mean of errors.judged_m over the blocks that any change answers; NaN where there are none.
+  double mean_m = 0.0;
+  bool is_noticed = true;  // whether it is as large as what is named
 };
 
 // No change first; then the changes that leave least, by squared distances at some instants, each fitted and

@@ -163,6 +163,25 @@ TEST(StreamFit, SaysOfASizeWhatItIsAndWhatIsLeft) {
   EXPECT_NE(text.find("alignment \"rigid\""), std::string::npos) << text;
 }
 
+// Somebody who walks in a circle looks like themselves a step later and turned: about the least shift that is
+// named, a shift must not be explained by such a start and turn.
+TEST(StreamFit, AShiftAboutTheLeastThatIsNamedIsAShiftOrNothing) {
+  int named = 0;
+  for (const std::uint64_t seed : {1, 2, 3})
+    for (const double shift_m : {0.08, 0.12, 0.14, 0.148, 0.15, 0.152, 0.16, 0.2})
+      for (const Eigen::Vector3d& way : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0)}) {
+        ChangedStreamMaker maker("walking", seed, 30.0);
+        ChangedStreams streams = maker.with({});
+        for (Eigen::Vector3d& at_m : streams.subject.at_m) at_m += shift_m * way;
+        const StreamFit fit = fit_of(streams);
+        named += fit.status == StreamFitStatus::found ? 1 : 0;
+        EXPECT_TRUE(fit.status == StreamFitStatus::sound ||
+                    (fit.status == StreamFitStatus::found && causes_of(fit.changes[0]) == kShiftCause))
+            << seed << " " << shift_m << " " << way.transpose();
+      }
+  EXPECT_GE(named, 12);
+}
+
 TEST(StreamFit, GivesNoRemedyWhereSeveralChangesExplainTheSame) {
   ChangedStreamMaker maker("arm_swing", 1);
   const ChangedStreams streams = maker.with({Change::start});

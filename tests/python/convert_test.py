@@ -423,6 +423,18 @@ class ConvertTest(unittest.TestCase):
             report, _, _ = self.converted("labanotation", folder / f"{name}.csv")
             self.assertEqual((report["k1"]["body_frames"], report["k1"]["gap_frames"]), (frames, gaps), name)
 
+    def test_what_was_downloaded_in_place_of_a_recording_is_named(self):
+        pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:1\n"
+        for kind, name in (("ntu", "a.skeleton"), ("c3d", "walk.c3d"), ("azure-kinect", "a.json"), ("labanotation", "a.csv")):
+            file = self.file(name, pointer)
+            self.assertIn(f"{file}: is a pointer of Git LFS; `git lfs pull`", self.refused(kind, file))
+            file.write_text("<!doctype html><html>")
+            self.assertIn(f"{file}: is a web page", self.refused(kind, file))
+        folder = self.folder / "set"
+        (folder / "Kinect/Positions").mkdir(parents=True)
+        (folder / "Kinect/Positions/m01_s01_e01_positions.txt").write_bytes(pointer)
+        self.assertIn("m01_s01_e01_positions.txt: is a pointer of Git LFS", self.refused("ui-prmd", folder))
+
     def test_help_lists_every_format(self):
         ended = subprocess.run([sys.executable, "-m", "trilat.convert", "--help"], capture_output=True, text=True)
         for name in ("arena", "azure-kinect", "c3d", "kimore", "labanotation", "ntu"):

@@ -158,7 +158,7 @@ class SensorChecker {
           if (const auto joint = static_cast<Joint>(j); bodies_.at(i, s).has(joint))
             standing.add(joint, planned_.world_from_sensor[s] * bodies_.at(i, s).at(joint));
     if (standing.axis() != UpAxis::z) return;
-    checks_.misplaced = true;
+    checks_.misplaced = checks_.rig_changed = true;
     note(planned_.take.calibration,
          "has z up, it seems: the person stands along z in its world. Write its poses in a world with y up, "
          "whose x, y, z are x, z, -y");

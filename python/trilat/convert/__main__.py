@@ -30,6 +30,22 @@ def arguments_of(words: list[str]) -> argparse.Namespace:
     return parser.parse_args(words)
 
 
+def refuse_placeholders(files: list[Path]) -> None:
+    """Refuses what was downloaded in place of a recording, also within folders."""
+    kinds = {b"version https://git-lfs": "is a pointer of Git LFS; `git lfs pull` fetches the file itself",
+             b"<!DOCTYPE": "is a web page, saved in place of the file; download the file itself",
+             b"<html": "is a web page, saved in place of the file; download the file itself"}
+    for path in files:
+        for file in [path] if path.is_file() else sorted(path.rglob("*")):
+            if not file.is_file():
+                continue
+            with open(file, "rb") as opened:
+                begin = opened.read(32)
+            for start, kind in kinds.items():
+                if begin.lower().startswith(start.lower()) and file.suffix.lower() not in (".html", ".htm"):
+                    raise InputError(file, kind)
+
+
 def main(words: list[str] | None = None) -> int:
     arguments = arguments_of(sys.argv[1:] if words is None else words)
     try:
@@ -37,6 +53,7 @@ def main(words: list[str] | None = None) -> int:
             raise InputError("--rate-hz", "goes from 0.1 to 1000")
         if arguments.output.resolve() in [file.resolve() for file in arguments.files]:
             raise InputError(arguments.output, "is also read; an output is never an input, whatever is forced")
+        refuse_placeholders(arguments.files)
         return FORMATS[arguments.format].convert(arguments)
     except InputError as error:
         print(f"trilat.convert: {error}", file=sys.stderr)
