@@ -166,13 +166,16 @@ class ChangeChoice {
     const auto left_m = [&](const StreamChange& of) {
       return mean_of_known(errors_of_change(pair_, blocks_, of).judged_m);
     };
-    for (const auto& [rank, stretch] : near) {
-      StreamChange rounded = change;
-      if (change.has_start) rounded.start_s += 0.5 * (change.stretch - stretch) * pair_.subject.duration_s();
-      rounded.stretch = stretch;
-      rounded = fitted(pair_, blocks_, rounded);
-      if (left_m(rounded) <= kAsWell * left_m(change)) return rounded;
-    }
+    // A lag too small to be named as a start is in the fitted rate; the other rate holds in the middle of
+    // what both have in common, wherever that is.
+    for (const auto& [rank, stretch] : near)
+      for (const double middle : {0.5, 0.25, 0.75, 0.0}) {
+        StreamChange rounded = change;
+        rounded.start_s += middle * (change.stretch - stretch) * pair_.subject.duration_s();
+        rounded.stretch = stretch;
+        rounded = fitted(pair_, blocks_, rounded);
+        if (left_m(rounded) <= kAsWell * left_m(change)) return rounded;
+      }
     return change;
   }
 

@@ -347,6 +347,32 @@ Spoil started_s(double later_s) {
   };
 }
 
+// Every `step`-th frame of an export of 100 Hz, under another rate.
+Spoil exported_at(double stated_hz, std::size_t step) {
+  return [=](Recorded& recorded) {
+    std::size_t frames = 0;
+    change_export(recorded, [&](const auto&, auto& rows) {
+      frames = rows.size();
+      std::vector<std::vector<std::string>> kept;
+      for (std::size_t r = 0; r < rows.size(); r += step) {
+        kept.push_back(rows[r]);
+        kept.back()[0] = std::to_string(r / step);
+        kept.back()[1] = fmt::format("{:.6f}", static_cast<double>(r / step) / stated_hz);
+      }
+      rows = kept;
+    });
+    std::string text = read_file(recorded.take().mocap);
+    const auto replace_all = [&](const std::string& old, const std::string& with) {
+      for (auto at = text.find(old); at != std::string::npos; at = text.find(old, at + with.size()))
+        text.replace(at, old.size(), with);
+    };
+    replace_all("Rate,100.000000", fmt::format("Rate,{:.6f}", stated_hz));
+    for (const char* key : {"Frames in Take,", "Exported Frames,"})
+      replace_all(key + std::to_string(frames), key + std::to_string((frames + step - 1) / step));
+    write_file(recorded.take().mocap, text);
+  };
+}
+
 struct Misplaced {
   std::string what;
   Activity activity;
@@ -371,7 +397,24 @@ std::vector<Misplaced> all_misplaced() {
   };
   return {
       {"sound", Activity::walking, 30.0, [](Recorded&) {}, {}},
+      {"rate_120_for_100",
+       Activity::walking,
+       30.0,
+       exported_at(120.0, 1),
+       {"mocap.csv: runs 1.2", "times as fast as the sensors see the person move",
+        "rate of 100 Hz, where 120 Hz"}},
+      {"every_second_frame",
+       Activity::walking,
+       30.0,
+       exported_at(100.0, 2),
+       {"mocap.csv: runs 2.0", "times as fast", "rate of 50 Hz, where 100 Hz"}},
       {"standing", Activity::standing, 10.0, [](Recorded&) {}, {}},
+      {"four_seconds_late",
+       Activity::walking,
+       30.0,
+       started_s(4.0),
+       {"mocap.csv: starts ", " s earlier than stated, or starts 4.",
+        "later than stated, by the motion, which does not", "write \"mocap_start_host_ns\": "}},
       {"late_start", Activity::walking, 30.0, started_s(20.0), apart},
       {"early_start", Activity::walking, 30.0, started_s(-20.0), apart},
       {"late_start_of_a_short_take", Activity::walking, 6.0, started_s(5.0), apart},

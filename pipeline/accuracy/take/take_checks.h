@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "pipeline/accuracy/take/take_data.h"
@@ -28,6 +29,11 @@ SensorChecks check_sensors(const Plan& plan, const PlannedTake& planned, const B
 // mirrored one, another unit, of all or of one joint; joints that are exchanged in the mapping; and joints
 // far from where they should be. A sound take has no note.
 TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
+
+// A start beyond what the clock by motion searches, or another rate, of a truth that does not move as the
+// sensors see the person move: the text of a note with the numbers that put it right; empty where neither
+// explains it.
+std::string clock_fault_text(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
 
 // How each sensor is turned, shifted and measures beside its calibration, by the bodies (`data.shown`). A
 // note where check_sensors() has none. Without rows where the bodies show nothing of the calibration.

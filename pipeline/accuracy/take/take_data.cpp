@@ -203,21 +203,28 @@ void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor,
   }
 }
 
-// A take whose motion does not say anything about the clock keeps the stated one, with a note.
-void check_clock(const Plan& plan, const PlannedTake& planned, const std::vector<PointPath>& truth,
+// A take whose motion does not say anything about the clock keeps the stated one, with a note. Whether it
+// named a clock that is off by more than what was searched.
+bool check_clock(const Plan& plan, const PlannedTake& planned, const std::vector<PointPath>& truth,
                  const std::function<bool()>& stop_requested, PreparedTake& data) {
-  if (plan.study.clock == ClockSource::stated) return;
+  if (plan.study.clock == ClockSource::stated) return false;
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
   data.clock = clock.row;
-  if (!clock.warning.empty() && !data.explained_by_sensor_check)
-    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(clock.warning)});
-  if (plan.study.clock != ClockSource::motion) return;
+  std::string fault;
+  if (!data.explained_by_sensor_check && !std::isfinite(data.clock.offset_s))
+    fault = clock_fault_text(plan, planned, data);
+  const bool is_fault = !fault.empty();
+  if (std::string text = is_fault ? std::move(fault) : std::move(clock.warning);
+      !text.empty() && !data.explained_by_sensor_check)
+    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
+  if (plan.study.clock != ClockSource::motion) return is_fault;
   if (std::isfinite(data.clock.offset_s))
     apply_clock(plan, planned, stop_requested, data);
   else
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(),
                           "keeps its stated start, since by the motion the clocks' offset is not known (" +
                               data.clock.status + "): " + cause_of(data.clock.status)});
+  return is_fault;
 }
 
 // Which way the person faces, from what is left and right of the trunk in the mean over the sensors.
@@ -310,8 +317,8 @@ PreparedTake view_take(const Plan& plan, const PlannedTake& planned, PersonTake 
   PreparedTake data{std::move(followed)};
   repair(plan, planned, left_out, data);
   if (truth) {
-    check_clock(plan, planned, truth->dense, stop_requested, data);
-    if (!data.rig_changed) append(check_truth(plan, planned, data), data);
+    const bool is_late = check_clock(plan, planned, truth->dense, stop_requested, data);
+    if (!data.rig_changed && !is_late) append(check_truth(plan, planned, data), data);
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   if (left_out) leave_out(plan, planned, *left_out, data);

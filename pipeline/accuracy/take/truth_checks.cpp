@@ -7,6 +7,7 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
+#include "datasets/mocap/read_mocap.h"
 #include "pipeline/accuracy/take/take_checks.h"
 #include "pipeline/stream_fit/stream_words.h"
 
@@ -35,15 +36,7 @@ class TruthChecker {
   }
 
   TakeChecks run() {
-    const std::size_t step = 1 + data_.time.size() / kMaxTruthInstants;
-    const double rate_hz = plan_.study.rate_hz / static_cast<double>(step);
-    const std::size_t joints = plan_.joints.size();
-    PointStream seen{0.0, rate_hz, joints, {}}, truth{0.0, rate_hz, joints, {}};
-    for (std::size_t i = 0; i < data_.time.size(); i += step)
-      for (std::size_t j = 0; j < joints; ++j) {
-        seen.at_m.push_back(mean_of_sensors(i, plan_.joints[j]));
-        truth.at_m.push_back(data_.truth(i, j, joints));
-      }
+    const auto [seen, truth] = streams();
     const StreamFit fit = fit_streams({seen, truth}, mirrored_points(names_), kLookedFor);
     add({.subject = "mocap", .what = "laid over", .unit = "m", .value = fit.before_m});
     checks_.rows.back().beyond =
@@ -59,7 +52,62 @@ class TruthChecker {
     return std::move(checks_);
   }
 
+  std::string clock_text() const {
+    const auto [seen, truth] = streams();
+    const StreamFit fit =
+        fit_streams({seen, truth}, mirrored_points(names_),
+                    {.causes = kStartCause | kRateCause, .any_frame = !planned_.in_mocap_world});
+    if (fit.status != StreamFitStatus::found && fit.status != StreamFitStatus::one_of) return {};
+    std::vector<std::string> what, remedies;
+    for (const StreamChange& change : fit.changes) {
+      auto [fault, remedy] = clock_fault(change);
+      what.push_back(std::move(fault));
+      remedies.push_back(std::move(remedy));
+    }
+    return fmt::format(
+        "{}, by the motion{}: put right, its mean distance from what the sensors see falls from {:.1f} to "
+        "{:.1f} cm; {}",
+        fmt::join(what, ", or "), what.size() > 1 ? ", which does not say which" : "",
+        kCentimetresPerMetre * fit.before_m, kCentimetresPerMetre * fit.after_m,
+        fmt::join(remedies, ", or "));
+  }
+
  private:
+  // What a change of the clock is, and what to write instead.
+  std::pair<std::string, std::string> clock_fault(const StreamChange& change) const {
+    const HostTime stated{planned_.take.mocap_start_host_ns};
+    const HostTime start =
+        planned_.start +
+        duration_from_s(change.start_s - change.stretch * (planned_.start - stated).seconds());
+    const std::string remedy = fmt::format("write \"mocap_start_host_ns\": {}", start.ns);
+    if (!change.has_stretch)
+      return {fmt::format("starts {:.2f} s {} than stated", std::abs((start - stated).seconds()),
+                          start > stated ? "later" : "earlier"),
+              remedy};
+    const double rate_hz = read_mocap_header(planned_.take.mocap).export_rate_hz;
+    return {fmt::format("runs {:.3f} times as fast as the sensors see the person move", change.stretch),
+            remedy + (std::isfinite(rate_hz)
+                          ? fmt::format(", and into its header a rate of {:.4g} Hz, where {:.4g} Hz stand",
+                                        rate_hz / change.stretch, rate_hz)
+                          : std::string(", and its true rate into its header"))};
+  }
+
+  struct Streams {
+    PointStream seen, truth;
+  };
+  Streams streams() const {
+    const std::size_t step = 1 + data_.time.size() / kMaxTruthInstants;
+    const double rate_hz = plan_.study.rate_hz / static_cast<double>(step);
+    const std::size_t joints = plan_.joints.size();
+    Streams streams{{0.0, rate_hz, joints, {}}, {0.0, rate_hz, joints, {}}};
+    for (std::size_t i = 0; i < data_.time.size(); i += step)
+      for (std::size_t j = 0; j < joints; ++j) {
+        streams.seen.at_m.push_back(mean_of_sensors(i, plan_.joints[j]));
+        streams.truth.at_m.push_back(data_.truth(i, j, joints));
+      }
+    return streams;
+  }
+
   // The two worlds may lie anyhow, so a note does not name the frame that lays them over each other.
   static StreamFit without_frames(StreamFit fit) {
     for (StreamChange& change : fit.changes)
@@ -137,9 +185,10 @@ class TruthChecker {
     if (median_m > kApart_m && !is_explained)
       note(
           planned_.take.mocap,
-          fmt::format("lies {:.2f} m from where the sensors see the joints, and the motion does not say why; "
-                      "is mocap_start_host_ns right, and the calibration in its world?",
-                      median_m));
+          fmt::format(
+              "lies {:.2f} m from where the sensors see the joints{}; is mocap_start_host_ns right, and "
+              "the calibration in its world?",
+              median_m, plan_.study.clock == ClockSource::stated ? "" : ", and the motion does not say why"));
   }
 
   void check_coverage() {
@@ -189,6 +238,10 @@ class TruthChecker {
 };
 
 }  // namespace
+
+std::string clock_fault_text(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
+  return TruthChecker(plan, planned, data).clock_text();
+}
 
 TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   return TruthChecker(plan, planned, data).run();
