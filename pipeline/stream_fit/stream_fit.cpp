@@ -2,6 +2,7 @@
 #include "pipeline/stream_fit/stream_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -156,6 +157,7 @@ class ChangeChoice {
   StreamChange at_known_rate(const StreamChange& change) const {
     if (!change.has_stretch) return change;
     constexpr double kNearRate = 0.004, kAsWell = 1.05;
+    constexpr std::array kWithStart{0.5, 0.25, 0.75, 0.0}, kWithoutStart{0.0, 0.5, 0.25, 0.75};
     const auto is_whole = [](double rate_hz) { return rate_hz == std::round(rate_hz); };
     std::vector<std::pair<int, double>> near;  // rates that are not whole, and the ratio
     for (const double stated : kFrameRates_hz)
@@ -169,7 +171,7 @@ class ChangeChoice {
     // A lag too small to be named as a start is in the fitted rate; the other rate holds in the middle of
     // what both have in common, wherever that is.
     for (const auto& [rank, stretch] : near)
-      for (const double middle : {0.5, 0.25, 0.75, 0.0}) {
+      for (const double middle : change.has_start ? kWithStart : kWithoutStart) {
         StreamChange rounded = change;
         rounded.start_s += middle * (change.stretch - stretch) * pair_.subject.duration_s();
         rounded.stretch = stretch;

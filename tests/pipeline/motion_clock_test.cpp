@@ -96,7 +96,8 @@ TEST(MotionClock, AStartThatIsOffIsToldWithWhatItCosts) {
                                                            testing::HasSubstr("mocap_start_host_ns")));
   EXPECT_THAT(notes_of(spec, -2.0, "check"), testing::HasSubstr("later than stated"));
   EXPECT_THAT(notes_of(spec, 0.2, "motion"), testing::HasSubstr("was applied"));
-  EXPECT_THAT(notes_of(spec, 4.4, "check"), testing::HasSubstr("mocap_start_host_ns right?"));
+  EXPECT_THAT(notes_of(spec, 4.4, "check"),
+              testing::HasSubstr("write \"mocap_start_host_ns\": 1000000000000, or write"));
 }
 
 // One period fits as well as another, also at the end of the search.
