@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/table.h"
 
 namespace trilat {

@@ -18,7 +18,7 @@ struct Parameters {
 }  // namespace
 
 void write_simulation_assumptions(const std::filesystem::path& folder,
-                               const std::vector<SimulationAssumption>& parameters) {
+                                  const std::vector<SimulationAssumption>& parameters) {
   write_json_file(folder, Parameters{parameters});
 }
 

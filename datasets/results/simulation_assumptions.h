@@ -24,7 +24,7 @@ inline constexpr const char* kSetInTheSimulation = "set in the simulation";
 
 // simulator.json, in a simulated campaign and in the results that come from it.
 void write_simulation_assumptions(const std::filesystem::path& folder,
-                               const std::vector<SimulationAssumption>& parameters);
+                                  const std::vector<SimulationAssumption>& parameters);
 // Empty when there is no such file; InputError when it is not one of these.
 std::vector<SimulationAssumption> read_simulation_assumptions(const std::filesystem::path& folder);
 

@@ -12,9 +12,9 @@
 
 #include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
-#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"

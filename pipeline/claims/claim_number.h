@@ -46,8 +46,8 @@ struct ClaimPValues {
 };
 ClaimPValues p_values_of(const MeasuredNumber& number, const ClaimBound& bound);
 
-// A claim of several numbers holds when all do (the largest of their p values: Berger 1982) and fails when one
-// does (the smallest, times their number).
+// A claim of several numbers holds when all do (the largest of their p values: Berger 1982) and fails when
+// one does (the smallest, times their number).
 ClaimPValues chance_of_all(const std::vector<ClaimPValues>& numbers);
 
 // Number of a claim by a measurement; without a bound where nothing is to be decided.

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/figure.h"
+#include "datasets/results/simulation_assumptions.h"
 #include "evaluators/metrics/statistics.h"
 #include "pipeline/clocks/clock_trial.h"
 #include "pipeline/study/parallel.h"
