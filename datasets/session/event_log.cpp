@@ -165,10 +165,6 @@ bool is_believable(const LogHead& head) {
                              [](const auto& sensor) { return problem_with(sensor).empty(); });
 }
 
-}  // namespace
-
-namespace {
-
 std::int64_t unix_now_ns() {
   const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count();

@@ -44,6 +44,11 @@ std::string why_nothing_seen(const SensorEvidence& search) {
     return entry == search.statuses.end() ? std::uint64_t{0} : entry->second;
   };
   const std::string counts = fmt::format(" ({} frames: {})", search.frames, counts_text(search.statuses));
+  if (search.other_radius_m)
+    return fmt::format(
+        "sees a ball of {:g} m radius, and none of the stated one: state --ball-radius-m {:g}, which is half "
+        "the diameter{}",
+        *search.other_radius_m, *search.other_radius_m, counts);
   if (count(WandStatus::several_candidates) > search.frames / 4)
     return "sees more than one ball; remove the second, or cover what reflects it" + counts;
   if (count(WandStatus::cut_by_edge) > search.frames / 4)

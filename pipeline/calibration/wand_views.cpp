@@ -2,6 +2,7 @@
 #include "pipeline/calibration/wand_views.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 
 #include <fmt/format.h>
@@ -76,6 +77,29 @@ void add_rests(SensorEvidence& evidence, const std::vector<StaticSighting>& rest
   }
 }
 
+// A diameter is easily taken for a radius: tries half and twice the stated one in some frames.
+std::optional<double> other_radius_m(const SessionReader& session, std::size_t sensor, FindWandOptions find) {
+  constexpr std::uint64_t kLooks = 40;
+  constexpr std::size_t kMinFound = 8, kTimesStated = 3;
+  const DepthRays rays = depth_rays(session.header().sensors[sensor].intrinsics);
+  const std::uint64_t frames = session.counts(sensor).depth_frames;
+  std::vector<std::uint16_t> depth_mm(kDepthPixels);
+  const double stated_m = find.ball_radius_m;
+  const std::array radii_m{stated_m, 0.5 * stated_m, 2.0 * stated_m};
+  std::array<std::size_t, radii_m.size()> found{};
+  for (std::uint64_t i = 0; i < frames; i += 1 + frames / kLooks) {
+    decode_depth_frame(session.stored_depth_frame(sensor, i), depth_mm);
+    for (std::size_t r = 0; r < radii_m.size(); ++r) {
+      find.ball_radius_m = radii_m[r];
+      const WandSighting sighting = find_wand({kDepthWidth, kDepthHeight, depth_mm}, rays, find);
+      found[r] += sighting.status == WandStatus::found ? 1 : 0;
+    }
+  }
+  const std::size_t best = found[1] > found[2] ? 1 : 2;
+  if (found[best] < kMinFound || found[best] <= kTimesStated * found[0]) return std::nullopt;
+  return radii_m[best];
+}
+
 void add_recording(WandObservations& views, const SessionReader& session, const ViewWandOptions& options) {
   std::vector<std::vector<TimedSighting>> found(views.evidence.size());
   for (const SearchedBlock& block : search_all(session, options.search)) {
@@ -90,6 +114,8 @@ void add_recording(WandObservations& views, const SessionReader& session, const 
   for (std::size_t s = 0; s < found.size(); ++s) {
     const std::vector<StaticSighting> more = find_static_intervals(found[s], s, options.positions);
     add_rests(views.evidence[s], more);
+    if (views.evidence[s].rests == 0)
+      views.evidence[s].other_radius_m = other_radius_m(session, s, options.search.find);
     rests.insert(rests.end(), more.begin(), more.end());
   }
   // One recording at a time: the host clocks of two need not be the same.

@@ -25,10 +25,6 @@ void on_signal(int number) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 using AddVerb = void (*)(CLI::App& app, int& code);
 // In the order of --help.
 constexpr AddVerb kVerbs[] = {add_demo,      add_init,    add_simulate,  add_run,     add_report,

@@ -186,10 +186,6 @@ std::vector<std::vector<LatexCell>> latex_rows(const Table& table, const std::ve
   return rows;
 }
 
-}  // namespace
-
-namespace {
-
 // The table in these rows; nothing where it is too wide for a page.
 std::optional<std::string> tabular_of(const Table& table, const std::vector<std::size_t>& order,
                                       const std::vector<std::vector<LatexCell>>& rows) {

@@ -159,6 +159,16 @@ TEST(CalibrateWand, ABallAsLargeAsAHeadIsNotTheWand) {
               AllOf(HasSubstr("sensor \"k1\" never sees the ball"), HasSubstr("is the radius right")));
 }
 
+// A diameter that was taken for a radius, and the reverse.
+TEST(CalibrateWand, ABallOfHalfOrTwiceTheStatedRadiusIsNamed) {
+  for (const double radius_m : {0.15, 0.0375})
+    EXPECT_THAT(
+        complaint_about_scene(ball_in_room({0.0, 1.0, 0.0}, radius_m)),
+        HasSubstr(fmt::format("sensor \"k1\" sees a ball of {:g} m radius, and none of the stated one: "
+                              "state --ball-radius-m {:g}",
+                              radius_m, radius_m)));
+}
+
 TEST(CalibrateWand, ABallThatIsNeverStillForHalfASecondIsSaidToBe) {
   const ScratchFolder folder;
   record(folder / "session.h5", rig_of(2), {ball_in_room(kPlaces[0]), ball_in_room(kPlaces[1])}, header_of(2),
