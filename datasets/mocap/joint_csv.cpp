@@ -46,6 +46,11 @@ double unit_of(const std::vector<double>& times, const std::string& place,
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
   const double step = steps.empty() ? 1.0 : upper_median(steps);
+  if (step == 1.0 && std::ranges::all_of(times, [](double time) { return time == std::round(time); }) &&
+      times.size() > 2)
+    taken_as.emplace_back(
+        "time_s counts by 1, as frame numbers do, and is taken as seconds; if it counts frames, divide it by "
+        "the frame rate");
   if (step <= 1.0 / kMinRate_hz) return 1.0;
   const auto is_camera = [&](const std::pair<double, const char*>& unit) {
     return step * unit.first >= 1.0 / kMaxCamera_hz && step * unit.first <= 1.0 / kMinCamera_hz;
@@ -78,8 +83,9 @@ class JointRows {
       : lines_(path, kReadBytes), take_(take), names_(column_names(lines_)), places_(joint_columns(names_)) {
     for (std::size_t c = 0; c < places_.size(); ++c)
       if (places_[c] == names_.size())
-        throw InputError(lines_.place(), fmt::format("has no column {}; needed are {}", kJointColumns[c],
-                                                     fmt::join(kJointColumns, ", ")));
+        throw InputError(lines_.place(),
+                         fmt::format("has no column {} among {}; needed are {}", kJointColumns[c],
+                                     fmt::join(names_, ", "), fmt::join(kJointColumns, ", ")));
   }
   // In the order of time.
   std::vector<JointRow> read() {

@@ -226,4 +226,24 @@ std::string stream_note(const StreamFit& fit, const StreamWords& words) {
   return {};
 }
 
+std::string jump_note(const ClockJump& jump, double before_m, const StreamWords& words) {
+  const auto with_sign = [](double add_s) {
+    return fmt::format("{} {:.3f} s {} the times", add_s < 0.0 ? "take" : "add", std::abs(add_s),
+                       add_s < 0.0 ? "from" : "to");
+  };
+  constexpr double kNoStart_s = 0.02;
+  std::vector<std::string> remedies;
+  if (std::abs(jump.start_s) > kNoStart_s) remedies.push_back(with_sign(jump.start_s) + " before it");
+  if (std::abs(jump.start_s + jump.by_s) > kNoStart_s)
+    remedies.push_back(with_sign(jump.start_s + jump.by_s) + " from there on");
+  return fmt::format(
+      "has a clock that jumps at {:.2f} s, where {}: put right, its mean distance from {} falls "
+      "from {:.1f} to {:.1f} cm. {}",
+      jump.at_s,
+      jump.by_s > 0.0 ? fmt::format("{:.2f} s of the motion are missing though its times go on", jump.by_s)
+                      : fmt::format("its times skip {:.2f} s that the motion does not have", -jump.by_s),
+      words.reference, kCentimetresPerMetre * before_m, kCentimetresPerMetre * jump.after_m,
+      capitalised(fmt::format("{}", fmt::join(remedies, ", and "))));
+}
+
 }  // namespace trilat

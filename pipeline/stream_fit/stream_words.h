@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/stream_fit/stream_clock.h"
 #include "pipeline/stream_fit/stream_fit.h"
 
 namespace trilat {
@@ -25,5 +26,7 @@ std::string exchanged_text(const StreamChange& change, const std::vector<std::st
 // The note on a fit: each cause with its size, the mean distance before and after it was applied, and how to
 // apply it; empty for a sound subject. Changes that are not told apart are listed without a remedy.
 std::string stream_note(const StreamFit& fit, const StreamWords& words);
+// The note on a clock that jumps.
+std::string jump_note(const ClockJump& jump, double before_m, const StreamWords& words);
 
 }  // namespace trilat

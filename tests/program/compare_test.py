@@ -160,6 +160,56 @@ class Compare(Compared):
                     tried += 1
         self.assertEqual(tried, 22)
 
+    def test_a_clock_that_jumps_once_is_named_with_the_time_that_puts_it_right(self):
+        self.time_s, self.truth = walk(frames=1500)
+        library.write_joints(self.folder / "truth.csv", self.time_s, self.truth)
+        noise = np.random.default_rng(5)
+        at_s = {}
+        for number, (first, end, later_s) in enumerate(((600, 700, 0), (400, 475, 0), (1000, 1200, 0), (700, 700, 3.0), (500, 500, 1.4), (900, 900, 5.0))):
+            with self.subTest(f"{first} to {end}, {later_s} s"):
+                kept = np.r_[0:first, end:1500]
+                times = self.time_s[:len(kept)] + np.where(np.arange(len(kept)) < first, 0.0, later_s)
+                name = f"mine.{'trc' if later_s == 0 and number % 2 else 'csv'}"
+                library.write_joints(self.folder / name, times, {key: at[kept] + noise.normal(0, 0.01, (len(kept), 3)) for key, at in self.truth.items()})
+                said = self.compared(self.folder / name)
+                found = re.search(rf"note: {name}: has a clock that jumps at (\S+) s, where .*: put right, .* falls from \S+ to [12].\d cm. (Add|Take) (\S+) s", said)
+                self.assertIsNotNone(found, said)
+                self.assertAlmostEqual(float(found[1]), first / RATE_HZ, delta=later_s + 0.1)
+                self.assertEqual(found[2], "Take" if later_s else "Add")
+                self.assertAlmostEqual(float(found[3]), later_s or (end - first) / RATE_HZ, delta=0.02)
+                at_s[first] = found[1]
+        self.assertEqual(len(at_s), 6)
+        other = walk(seed=9, frames=1500, person=1.3)[1]
+        library.write_joints(self.folder / "other.csv", self.time_s, {key: at + [2, 0, 1] for key, at in other.items()})
+        self.assertRegex(self.compared(self.folder / "other.csv"), "is it the same take, and the same person")
+
+    def test_stretches_in_which_all_stands_still_are_named_and_not_taken_for_a_lower_rate(self):
+        frames = np.arange(FRAMES)
+        for name, held, words, absent in (
+                ("long.csv", (frames > 100) & (frames <= 250), "to the last digit from 2.00 to 5.00 s after its first frame, as", "true rate"),
+                ("long.trc", (frames > 50) & (frames <= 110), "to the last digit from 1.00 to 2.20 s after", "true rate"),
+                ("two.csv", ((frames > 50) & (frames <= 110)) | (frames > 300), "from 1.00 to 2.20 s, 6.00 to 7.98 s after", "true rate"),
+                ("short.csv", (frames > 100) & (frames <= 140), "", "to the last digit"),
+                ("half.csv", frames % 2 == 1, "in 50 % of its frames, so its true rate is 50 %", "to the last digit"),
+                ("both.csv", (frames % 2 == 1) | (frames > 200), "true rate is 50 %", "is it a lower rate")):
+            with self.subTest(name):
+                source = np.maximum.accumulate(np.where(held, 0, frames))
+                said = self.compared(self.brought(name, lambda at, key: at[source] + 0.001))
+                self.assertRegex(said, f"note: {name}: repeats .*{words}" if words else "compare on truth")
+                self.assertNotIn(absent, said)
+
+    def test_times_that_count_frames_are_said(self):
+        words = "time_s counts by 1, as frame numbers do"
+        for first in (0, 1, 1000):
+            self.assertIn(words, self.compared(self.brought("mine.csv", lambda at, key: at, np.arange(FRAMES) + first), code=1 if first == 1000 else 0))
+        for times in (self.time_s, np.arange(FRAMES) + 0.5, np.arange(FRAMES) * 0.5):
+            self.assertNotIn(words, self.compared(self.brought("mine.csv", lambda at, key: at, times)))
+
+    def test_a_missing_column_is_named_among_those_that_are_there(self):
+        (self.folder / "mine.csv").write_text("frame,time_s,joint,x_cm,y_cm,z_cm\n0,0,head,1,2,3\n")
+        self.assertIn("mine.csv:1: has no column x_m among frame, time_s, joint, x_cm, y_cm, z_cm; needed are time_s, joint, x_m, y_m, z_m",
+                      self.compared(self.folder / "mine.csv", code=2))
+
     def test_frames_a_second_apart_are_not_joined_by_lines(self):
         library.write_joints(self.folder / "mine.csv", self.time_s[::50], {key: at[::50] for key, at in self.truth.items()})
         said = self.compared(self.folder / "mine.csv")

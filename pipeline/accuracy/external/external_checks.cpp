@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -66,9 +67,17 @@ std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, co
       missing += points[j].allFinite() ? 0 : 1;
     }
   }
+  const std::vector<MocapTime>& time = external.track.positions().time;
+  const auto gap = std::ranges::adjacent_find(
+      time, [](MocapTime one, MocapTime next) { return next - one >= duration_from_s(kShort_s); });
   if (static_cast<double>(missing) > kHoles * static_cast<double>(asked))
-    texts.push_back(fmt::format("has no position for {:.0f} % of what is asked for within its time",
-                                100.0 * static_cast<double>(missing) / static_cast<double>(asked)));
+    texts.push_back(fmt::format(
+        "has no position for {:.0f} % of what is asked for within its time{}",
+        100.0 * static_cast<double>(missing) / static_cast<double>(asked),
+        gap == time.end()
+            ? ""
+            : fmt::format("; no frame follows that of {:.2f} s for {:.2f} s",
+                          begins_s + (*gap - MocapTime{}).seconds(), (gap[1] - gap[0]).seconds())));
   return texts;
 }
 
@@ -90,13 +99,18 @@ std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planne
   const PointStream reference = truth_stream(plan, truth), subject = external_stream(plan, external);
   // what is made of a recording's bodies has the trackers' lag, some 0.05 s
   constexpr double kMinStart_s = 0.02, kMinStartOfBodies_s = 0.07;
-  const StreamFit fit = fit_streams({reference, subject}, mirrored_points(plan.names),
-                                    {.min_start_s = plan.rig.empty() ? kMinStart_s : kMinStartOfBodies_s});
+  const std::vector<std::size_t> mirrored = mirrored_points(plan.names);
+  const StreamFitOptions options{.min_start_s = plan.rig.empty() ? kMinStart_s : kMinStartOfBodies_s};
+  const StreamFit fit = fit_streams({reference, subject}, mirrored, options);
+  std::optional<ClockJump> jump;
+  if (fit.status == StreamFitStatus::unexplained)
+    jump = find_clock_jump({reference, subject}, mirrored, options, fit.before_m);
   const bool shows_start = fit.status == StreamFitStatus::found && fit.changes.front().has_start &&
                            !fit.changes.front().has_stretch;
   const bool is_applied = shows_start && external.joints->clock_by_motion;
   if (is_applied) external.offset_s = fit.changes.front().start_s;
-  note(stream_note(fit, {.names = plan.names, .clock_is_applied = is_applied}));
+  const StreamWords words{.names = plan.names, .clock_is_applied = is_applied};
+  note(jump ? jump_note(*jump, fit.before_m, words) : stream_note(fit, words));
   if (external.joints->clock_by_motion && !shows_start && fit.status != StreamFitStatus::sound)
     note("keeps its own times, since the motion does not say when it starts");
   if (fit.overlap_s <= 0.0 && fit.status != StreamFitStatus::found)

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/rig/campaign.h"
 #include "evaluators/alignment/interpolation.h"
@@ -55,8 +57,8 @@ void MarkerTrack::at(MocapTime t, std::span<Eigen::Vector3d> points) const {
 
 MocapTime MarkerTrack::end() const { return positions_.time.empty() ? MocapTime{} : positions_.time.back(); }
 
-double MarkerTrack::repeated_share() const {
-  double repeated = 0.0;
+std::vector<bool> MarkerTrack::repeated_frames() const {
+  std::vector<bool> repeated(positions_.time.size(), false);
   for (std::size_t frame = 1; frame < positions_.time.size(); ++frame) {
     bool any = false, same = true;
     for (const std::vector<Eigen::Vector3d>& position_m : positions_.position_m) {
@@ -64,9 +66,9 @@ double MarkerTrack::repeated_share() const {
       any = true;
       same = same && position_m[frame] == position_m[frame - 1];
     }
-    repeated += any && same ? 1.0 : 0.0;
+    repeated[frame] = any && same;
   }
-  return repeated / std::max(1.0, static_cast<double>(positions_.time.size()));
+  return repeated;
 }
 
 namespace {
@@ -90,16 +92,46 @@ std::string counted_by_name(const MocapTake& positions, std::int64_t MissingCoun
   return fmt::format("{} positions ({})", sum, text);
 }
 
-}  // namespace
-
-std::vector<std::string> suspicious_names(const MarkerTrack& track) {
-  constexpr double kMaxRepeated = 0.2;  // of the frames
-  std::vector<std::string> odd = track.positions().taken_as;
-  if (const double share = track.repeated_share(); share > kMaxRepeated)
-    odd.push_back(fmt::format(
+// Stretches in which all stand still, and a rate of frames that is lower than the stated one.
+std::vector<std::string> repeat_texts(const MarkerTrack& track) {
+  constexpr double kMaxRepeated = 0.2;  // of the other frames
+  const Duration kMinFrozen = duration_from_s(1.0);
+  const std::vector<bool> repeated = track.repeated_frames();
+  const std::vector<MocapTime>& time = track.positions().time;
+  std::vector<std::string> frozen;
+  std::size_t in_frozen = 0, elsewhere = 0;
+  for (std::size_t first = 0, end = 0; first < time.size(); first = end) {
+    for (end = first + 1; end < time.size() && repeated[end];) ++end;
+    const bool is_long = time[end - 1] - time[first] >= kMinFrozen;
+    (is_long ? in_frozen : elsewhere) += end - first - 1;
+    if (is_long)
+      frozen.push_back(fmt::format("{:.2f} to {:.2f} s", (time[first] - MocapTime{}).seconds(),
+                                   (time[end - 1] - MocapTime{}).seconds()));
+  }
+  std::vector<std::string> texts;
+  constexpr std::size_t kMaxNamed = 4;
+  if (!frozen.empty())
+    texts.push_back(fmt::format(
+        "repeats all its positions to the last digit from {} after its first frame{}, as a system does that "
+        "lost the "
+        "person; leave these frames without positions",
+        fmt::join(std::span(frozen).first(std::min(kMaxNamed, frozen.size())), ", "),
+        frozen.size() > kMaxNamed ? fmt::format(" and {} times more", frozen.size() - kMaxNamed) : ""));
+  const double share =
+      static_cast<double>(elsewhere) / std::max(1.0, static_cast<double>(time.size() - in_frozen));
+  if (share > kMaxRepeated)
+    texts.push_back(fmt::format(
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
         "of the stated one, and what moves stands still between; export it at the rate of the capture",
         100.0 * share, 100.0 * (1.0 - share)));
+  return texts;
+}
+
+}  // namespace
+
+std::vector<std::string> suspicious_names(const MarkerTrack& track) {
+  std::vector<std::string> odd = track.positions().taken_as;
+  for (std::string& text : repeat_texts(track)) odd.push_back(std::move(text));
   for (const auto& [count, what] :
        {std::pair{&MissingCounts::held, "repeat the one before to the last digit while others move"},
         std::pair{&MissingCounts::at_origin, "are exactly (0, 0, 0), which is written for what is missing"},

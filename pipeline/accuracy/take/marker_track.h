@@ -25,8 +25,8 @@ class MarkerTrack {
   void at(MocapTime t, std::span<Eigen::Vector3d> points) const;
   MocapTime end() const;  // the last frame's time
   const MocapTake& positions() const { return positions_; }
-  // The share of the frames that hold the same positions as the frame before, to the bit.
-  double repeated_share() const;
+  // Whether each frame holds the same positions as the frame before, to the bit.
+  std::vector<bool> repeated_frames() const;
 
  private:
   Eigen::Vector3d marker_at(std::size_t marker, std::size_t after, MocapTime t) const;
