@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -34,6 +35,13 @@ std::optional<double> moved_m(const Body& from, const Body& to) {
   return *middle;
 }
 
+// Longest distance from a joint to its parent in tall people, with a margin for a Kinect's errors; in the
+// order of Joint.
+constexpr std::array kMaxBone_m{HUGE_VAL, 0.42, 0.25, 0.35, 0.28, 0.50, 0.45, 0.25, 0.28,
+                                0.50,     0.45, 0.25, 0.30, 0.65, 0.65, 0.35, 0.30, 0.65,
+                                0.65,     0.35, 0.42, 0.25, 0.25, 0.25, 0.25};
+static_assert(kMaxBone_m.size() == kJointCount);
+
 bool shows_enough(const Body& body) {
   std::size_t seen = 0;
   for (std::size_t j = 0; j < kJointCount; ++j) seen += reading_of(body, j) == JointReading::seen ? 1 : 0;
@@ -63,6 +71,40 @@ std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
       "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as not seen; are "
       "positions in metres?",
       all, kMinJointDistance_m, kMaxJointDistance_m, fmt::join(joints, ", "));
+}
+
+void BoneLengths::add(const Body& body) {
+  for (std::size_t b = 0; b < kBones.size(); ++b) {
+    const auto parent = static_cast<std::size_t>(kBones[b].parent),
+               child = static_cast<std::size_t>(kBones[b].child);
+    if (reading_of(body, parent) != JointReading::seen || reading_of(body, child) != JointReading::seen)
+      continue;
+    const double bin = distance_m(body.position_m[parent], body.position_m[child]) / kBin_m;
+    ++counts_[b][static_cast<std::size_t>(std::min(bin, static_cast<double>(kBins - 1)))];
+  }
+}
+
+std::optional<std::string> BoneLengths::too_long_text() const {
+  constexpr std::uint64_t kMinBodies = 30;
+  constexpr std::size_t kMinBones = 6;  // of hidden limbs up to 4 are too long
+  constexpr std::size_t kMaxNamed = 3;
+  std::vector<std::string> bones;
+  for (std::size_t b = 0; b < kBones.size(); ++b) {
+    const auto& counts = counts_[b];
+    const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    if (all < kMinBodies) continue;
+    std::size_t bin = 0;
+    for (std::uint64_t below = counts[0]; 2 * below < all; below += counts[bin]) ++bin;
+    const double median_m = kBin_m * (static_cast<double>(bin) + 0.5);
+    if (const double most_m = kMaxBone_m[static_cast<std::size_t>(kBones[b].child)]; median_m > most_m)
+      bones.push_back(fmt::format("{} to {} {:.2f} m, at most {:.2f}", name_of(kBones[b].parent),
+                                  name_of(kBones[b].child), median_m, most_m));
+  }
+  if (bones.size() < kMinBones) return std::nullopt;
+  return fmt::format(
+      "{} of {} bones are longer than those of a person ({}{}); are the joints in the order of a Kinect v2?",
+      bones.size(), kBones.size(), fmt::join(std::span(bones).first(std::min(kMaxNamed, bones.size())), "; "),
+      bones.size() > kMaxNamed ? "; ..." : "");
 }
 
 void StaleBodies::Run::end() {

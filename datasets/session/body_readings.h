@@ -26,6 +26,20 @@ using JointCounts = std::array<std::uint64_t, kJointCount>;
 // nothing when there are none.
 std::optional<std::string> out_of_reach_text(const JointCounts& counts);
 
+// Lengths of the bones of a sensor's bodies, by which joints in another order than the Kinect's show.
+class BoneLengths {
+ public:
+  void add(const Body& body);
+  // "bones are longer than those of a person (elbow_left to wrist_left 0.92 m, at most 0.45; ...): are the
+  // joints in the order of a Kinect v2?", where that is so for six bones or more in the median.
+  std::optional<std::string> too_long_text() const;
+
+ private:
+  static constexpr double kBin_m = 0.02;
+  static constexpr std::size_t kBins = 100;  // the last one for all that are longer
+  std::array<std::array<std::uint32_t, kBins>, kBoneCount> counts_{};
+};
+
 // Finds what a sensor gives again: a driver that has nothing new repeats a body, to the last bit, under new
 // time stamps. The third of equal bodies in a row, and those around it but the first, are no measurement;
 // unless the body never changes.

@@ -107,6 +107,7 @@ struct BodyCounts {
   JointCounts out_of_reach{};
   BodyIdentities identities;
   StaleBodies stale;
+  BoneLengths bones;
   std::size_t bodies = 0;
   std::set<std::uint64_t> ids;
 
@@ -124,6 +125,7 @@ struct BodyCounts {
 
   void add(const Body& body) {
     if (body.tracking_id == 0) ++without_id;
+    bones.add(body);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       if (body.tracking_state[j] > 2) ++odd_states;
       const JointReading reading = reading_of(body, j);
@@ -150,6 +152,8 @@ struct BodyCounts {
           kAnswers);
     if (const auto text = out_of_reach_text(out_of_reach))
       place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
+    if (const auto text = bones.too_long_text())
+      place.say(Severity::error, "/bodies/position_m", *text, kPositions);
     if (identities.jumps() > 0)
       place.say(Severity::warning, "/bodies/tracking_id",
                 fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; "

@@ -10,6 +10,7 @@
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"
 #include "datasets/hdf5/hdf5_file.h"
+#include "datasets/session/body_readings.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
@@ -222,6 +223,79 @@ TEST(Session, VerifyCountsJointsOutOfReachAndJumpsOfABody) {
   EXPECT_THAT(said, testing::Not(HasSubstr("hold no body")));
 }
 
+// A person of 1.75 m, 2.5 m before the sensor, arms stretched out.
+Body standing_body() {
+  constexpr std::array<std::array<float, 2>, kJointCount> kPlaces_m{
+      {{0, 0},         {0, 0.3F},      {0, 0.58F},     {0, 0.74F},      {-0.18F, 0.5F},
+       {-0.46F, 0.5F}, {-0.7F, 0.5F},  {-0.78F, 0.5F}, {0.18F, 0.5F},   {0.46F, 0.5F},
+       {0.7F, 0.5F},   {0.78F, 0.5F},  {-0.09F, 0},    {-0.11F, -0.4F}, {-0.12F, -0.8F},
+       {-0.2F, -0.9F}, {0.09F, 0},     {0.11F, -0.4F}, {0.12F, -0.8F},  {0.2F, -0.9F},
+       {0, 0.52F},     {-0.86F, 0.5F}, {-0.8F, 0.55F}, {0.86F, 0.5F},   {0.8F, 0.55F}}};
+  Body body{};
+  body.tracking_id = 1;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    body.position_m[j] = {kPlaces_m[j][0], kPlaces_m[j][1], 2.5F};
+    body.tracking_state[j] = 2;
+  }
+  return body;
+}
+
+std::string text_of_bones(const std::function<void(Body&)>& change, int bodies = 40) {
+  BoneLengths bones;
+  for (int i = 0; i < bodies; ++i) {
+    Body body = standing_body();
+    change(body);
+    bones.add(body);
+  }
+  return bones.too_long_text().value_or("");
+}
+
+TEST(BoneLengths, JointsInAnotherOrderAreNamed) {
+  const auto reordered = [](const std::vector<std::pair<int, int>>& swaps) {
+    return [=](Body& body) {
+      for (const auto& [a, b] : swaps)
+        std::swap(body.position_m[static_cast<std::size_t>(a)], body.position_m[static_cast<std::size_t>(b)]);
+    };
+  };
+  // spine_shoulder after spine_mid, as in the order from the hips upwards
+  const auto inserted = [](Body& body) {
+    const auto first = body.position_m.begin();
+    std::rotate(first + 2, first + 20, first + 21);
+  };
+  for (const auto& change : std::vector<std::function<void(Body&)>>{
+           reordered({{4, 12}, {8, 16}}), reordered({{6, 13}, {10, 17}}), inserted,
+           [](Body& body) { std::ranges::reverse(body.position_m); },
+           [](Body& body) {
+             std::rotate(body.position_m.begin(), body.position_m.begin() + 1, body.position_m.end());
+           }})
+    EXPECT_THAT(text_of_bones(change), HasSubstr("are the joints in the order of a Kinect v2?"));
+  EXPECT_THAT(
+      text_of_bones(reordered({{6, 13}, {10, 17}})),
+      HasSubstr("10 of 24 bones are longer than those of a person (elbow_left to wrist_left 0.97 m, at "
+                "most 0.45; "));
+}
+
+TEST(BoneLengths, PeopleOfAnySizeAndHalfSeenOnesAreNot) {
+  for (const float size : {0.5F, 0.9F, 1.0F, 1.15F})
+    EXPECT_EQ(text_of_bones([=](Body& body) {
+                for (auto& at : body.position_m) at = {at[0] * size, at[1] * size, at[2]};
+              }),
+              "");
+  const auto hidden_hands = [](Body& body) {
+    body.position_m[6] = {3, 0, 2.5F};
+    body.position_m[15] = {3, 0, 2.5F};
+  };
+  EXPECT_EQ(text_of_bones(hidden_hands), "");
+  const auto reversed = [](Body& body) { std::ranges::reverse(body.position_m); };
+  EXPECT_EQ(text_of_bones(reversed, 29), "");
+  EXPECT_NE(text_of_bones(reversed, 30), "");
+  EXPECT_EQ(text_of_bones([&](Body& body) {
+              reversed(body);
+              body.tracking_state.fill(0);
+            }),
+            "");
+}
+
 // From frame 10 on the same body comes seven times more, then every other one twice.
 TEST(Session, VerifyCountsBodiesThatAreGivenAgain) {
   const auto repeats = [](std::int64_t first, std::int64_t count) {
@@ -362,9 +436,8 @@ TEST(Session, VerifySaysWhichStudiesAFindingEndangers) {
 
 TEST(Session, VerifySaysNothingOfASoundRecording) {
   const auto sound = [](std::int64_t i, BodyFrame& frame) {
-    for (std::size_t j = 0; j < kJointCount; ++j)
-      frame.bodies[0].position_m[j] = {0.04f * static_cast<float>(j), 0.0f,
-                                       2.0f + 1e-3f * static_cast<float>(i)};
+    frame.bodies[0].position_m = standing_body().position_m;
+    for (auto& position_m : frame.bodies[0].position_m) position_m[2] += 1e-3f * static_cast<float>(i);
     return true;
   };
   EXPECT_EQ(said_of(written("sound.h5", 600, sound)),

@@ -162,6 +162,17 @@ void jump_to_another(Recorded& recorded) {
                  }});
 }
 
+// All sensors give the joints in another order: from the hips to the head, then the arms and the legs.
+void reorder_joints(Recorded& recorded) {
+  change_session(recorded.take(), recorded.folder / "spoiled.h5", {[](std::size_t, BodyFrame& frame) {
+                   for (Body& body : frame.bodies) {
+                     const auto first = body.position_m.begin();
+                     std::rotate(first + 2, first + 20, first + 21);
+                   }
+                   return true;
+                 }});
+}
+
 void keep_every_fourth_frame(Recorded& recorded) {
   change_session(recorded.take(), recorded.folder / "spoiled.h5",
                  {[](std::size_t, BodyFrame& frame) { return frame.stamp.sequence % 4 == 0; }});
@@ -237,6 +248,9 @@ std::vector<Spoiled> all_spoiled() {
        joint_put(0, Joint::wrist_left, {0.0F, 0.0F, 1e8F}),
        {"k1: ", "joints lie nearer than 0.4 m or farther than 10 m", "wrist_left "}},
       {"jumping_body", jump_to_another, {"k2: 2 times a body moves more than 1 m"}},
+      {"reordered_joints",
+       reorder_joints,
+       {"k1: ", "bones are longer than those of a person", "in the order of a Kinect v2?"}},
       {"slow_frames",
        keep_every_fourth_frame,
        {"k1, k2: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},

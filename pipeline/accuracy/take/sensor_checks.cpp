@@ -271,11 +271,12 @@ class SensorChecker {
     if (change.pushed_s) return note_push(change, words);
     if (change.fit.status == StreamFitStatus::found) return note_cause(change, words);
     checks_.misplaced = true;
+    const std::string why = undecided_text(change, words), leave_out = leave_out_text(words, "Leave");
     note(planned_.take.session,
          fmt::format("{} {:.2f} m {}; {}{}",
                      are_two ? words.both + " see the person" : who + " sees the person", change.fit.before_m,
-                     are_two ? "apart" : "from where the others do", undecided_text(change, words),
-                     leave_out_text(words, "Leave")));
+                     are_two ? "apart" : "from where the others do", why,
+                     why.ends_with('?') && !leave_out.empty() ? leave_out.substr(1) : leave_out));
   }
 
   static std::string leave_out_text(const SensorWords& words, const char* verb) {

@@ -104,6 +104,7 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
           identities.of(row.bodies, (frame.time - HostTime{0}).seconds());
       for (std::size_t b = 0; b < row.bodies.size(); ++b) {
         repeated.add(row.bodies[b], result.bodies.size());
+        result.bones.add(row.bodies[b]);
         result.bodies.push_back({identity[b], observed(row.bodies[b], result.out_of_reach)});
       }
       end_of_frame.push_back(result.bodies.size());

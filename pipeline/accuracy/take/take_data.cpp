@@ -92,6 +92,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
   };
   for (std::size_t s = 0; s < seen.size(); ++s) {
     if (const auto text = out_of_reach_text(seen[s].out_of_reach)) note(s, *text);
+    if (const auto text = seen[s].bones.too_long_text()) note(s, *text);
     if (seen[s].jumps > 0)
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
                           "id; from there it counts as another body, and the person is chosen again",
