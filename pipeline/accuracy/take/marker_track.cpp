@@ -113,8 +113,7 @@ std::vector<std::string> repeat_texts(const MarkerTrack& track) {
   if (!frozen.empty())
     texts.push_back(fmt::format(
         "repeats all its positions to the last digit from {} after its first frame{}, as a system does that "
-        "lost the "
-        "person; leave these frames without positions",
+        "lost the person; leave these frames without positions",
         fmt::join(std::span(frozen).first(std::min(kMaxNamed, frozen.size())), ", "),
         frozen.size() > kMaxNamed ? fmt::format(" and {} times more", frozen.size() - kMaxNamed) : ""));
   const double share =
