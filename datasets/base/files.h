@@ -16,8 +16,8 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 // The whole file as text; InputError with the path when it cannot be read or is larger than `limit_bytes`.
 std::string read_file(const std::filesystem::path& path, std::size_t limit_bytes = 64u << 20);
 
-// What a file is by its first bytes, and what to do, where these are of a kind that nothing here reads as
-// text; empty for others.
+// Names the format of a file by its first bytes, and what its user can do, for formats that are not text,
+// such as "is compressed; unpack it first". Empty for a file of any other format.
 std::string_view foreign_kind(std::string_view first_bytes);
 
 // `path` with ".partial" behind: the name of an output that is not finished.

@@ -57,7 +57,7 @@ std::string without_colon(const std::string& place) {
   throw InputError(without_colon(place), doing + " (" + library_reason() + ")");
 }
 
-// Of a file that the library cannot open.
+// Throws InputError for a file that the library cannot open, with what the file is by its first bytes.
 [[noreturn]] void refuse_unreadable(const std::filesystem::path& path) {
   std::array<char, 32> bytes{};
   std::ifstream file(path, std::ios::binary);

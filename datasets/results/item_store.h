@@ -39,7 +39,7 @@ class ItemStore {
   // The item of this key; nothing when there is none. InputError, which names the file, when one is cut, or
   // when the item is of another key than its folder says.
   std::optional<StoredItem> find(const std::string& key) const;
-  // Takes an item whose files lie in `made`, a folder of an StagingFolder; one that is there is replaced.
+  // Takes an item whose files lie in `made`, a folder of a StagingFolder; one that is there is replaced.
   void put(const std::filesystem::path& made, StoredItem item) const;
   // Removes every other item, and what killed processes were making.
   void remove_all_but(const std::set<std::string>& keys) const;

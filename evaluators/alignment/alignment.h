@@ -22,7 +22,7 @@ enum class AlignmentKind : std::uint8_t {
   first,  // movement relative to the first pair
   mean,   // movement relative to the mean: the paper's "relative movement"
   rigid,  // rotation and translation of least squares, no scale (Horn 1987)
-  // As none, over the part of a take that joint_offset does not learn from.
+  // no change, as with none, on the test part of a take alone, from which joint_offset learns nothing
   held_out,
   // Each joint less what its mean error in the body's own frame was in the training part: what is left when a
   // tracker's joint and the markers' are different points of the body.

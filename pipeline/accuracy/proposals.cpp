@@ -16,8 +16,8 @@
 namespace trilat {
 namespace {
 
-// Names of markers or bones that give a joint, all of which must exist, lower case and without signs; `@` is
-// l or r. The names of bones and markers are told apart by the type of the asset.
+// Names of markers or bones that give a joint, all of which must exist, lower case and without signs; `@`
+// stands for l and r. `bone` says whether an asset of this name must be a bone or a marker.
 struct MarkerRule {
   Joint joint;  // the left one of two
   bool bone;
@@ -142,7 +142,8 @@ bool is_marker(AssetType type) {
   return type == AssetType::marker || type == AssetType::bone_marker || type == AssetType::rigid_body_marker;
 }
 
-// PixelSet markers may stand in an export twice, measured and solved: the measured one.
+// Key of the asset of this name. A marker may stand in an export twice, measured and solved: the measured one
+// counts.
 std::optional<std::string> key_called(const MocapHeader& header, const std::string& name, bool bone) {
   std::optional<std::size_t> found;
   if (bone)

@@ -34,7 +34,8 @@ struct SensorEvidence {
   std::map<std::string, std::uint64_t> statuses;  // how the search of each frame ended
   std::size_t rests = 0;                          // of the ball, as this sensor saw it
   double nearest_m = 0.0, farthest_m = 0.0;       // of the ball at rest
-  // Of a sensor without a rest: half or twice the stated radius, where its frames show a ball of that size.
+  // Radius of the ball that the frames show where it is half or twice the stated one; looked for where the
+  // sensor saw no rest.
   std::optional<double> other_radius_m = std::nullopt;
 };
 

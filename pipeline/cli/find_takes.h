@@ -29,9 +29,9 @@ struct FoundTakes {
   Campaign calibration = {};  // its wand, stated distances and walls
 };
 
-// The recordings below the folder that are not in `known`, the campaign as it is, each with the calibration,
-// motion capture and joints of other methods that lie beside it. InputError where there is no recording, or
-// one without a calibration.
+// Finds the recordings below the folder that `known`, the campaign as it is, does not hold. Each comes with
+// the calibration, the motion capture and the joints of other methods in its folder. InputError where there
+// is no recording, and for a recording without a calibration.
 FoundTakes find_takes(const TakeSearch& search, const Campaign& known);
 
 }  // namespace trilat

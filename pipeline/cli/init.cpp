@@ -32,8 +32,8 @@ struct InitArguments {
   bool json = false;
 };
 
-// What was found, with the mapping that is proposed; it is empty where one is there already, or no take has
-// mocap.
+// Takes that were found, and the proposed mapping, which is empty where the folder has a mapping already or
+// no take has motion capture.
 struct Found : FoundTakes {
   JointMapping mapping;
 };

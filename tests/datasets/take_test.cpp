@@ -70,7 +70,7 @@ TEST(CampaignFile, TakesOfAnotherFolderAreStillFound) {
   EXPECT_EQ(std::filesystem::weakly_canonical(take.session), folder / "old" / "a" / "session.h5");
 }
 
-// What reading says of a campaign one of whose paths is this.
+// Message with which read_campaign() refuses a campaign whose take has `path` under `key`.
 std::string refusal_of_path(const ScratchFolder& folder, const std::string& key, const std::string& path) {
   Json take{{"id", "a"},    {"participant", "p"}, {"session", "s"},          {"calibration", "c"},
             {"mocap", "m"}, {"mapping", "n"},     {"mocap_start_host_ns", 5}};
@@ -92,7 +92,7 @@ TEST(CampaignFile, PathsMayLeadAnywhereButToPipes) {
   EXPECT_THAT(refusal_of_path(folder, "mocap", "pipe"), HasSubstr("is a device, a pipe or a socket"));
 }
 
-// What reading says of a campaign with these keys more in its wand and its take.
+// Message with which read_campaign() refuses a campaign whose wand and take have these additional keys.
 std::string refusal_with(const Json& of_wand, const Json& of_take) {
   Json json = parse_json(R"({"format": "trilat.campaign", "version": 1, "name": "x",
       "takes": [{"id": "a", "participant": "p", "session": "s.h5", "calibration": "c.json"}],

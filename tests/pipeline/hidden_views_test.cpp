@@ -49,7 +49,7 @@ TEST(HiddenViews, AreThoseThatATrackerWhichKnowsThemInfers) {
   EXPECT_THAT(ids, testing::Contains("rules"));
 }
 
-// A sensor that sees nobody adds no view: rules are judged by the views that see the joint.
+// One of four sensors sees nobody: three quarters of the views are left to judge the rules by.
 TEST(HiddenViews, RulesAreJudgedByTheViewsThatSeeTheJoint) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "c", swinging_spec());

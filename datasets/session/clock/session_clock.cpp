@@ -19,7 +19,7 @@ constexpr double kDriftSigmas = 4.0;
 constexpr std::int64_t kDriftDivisor = 1000;                 // the same, of the time between two frames
 constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 59;  // so that sums of some times cannot overflow
 constexpr Duration kMaxAgentDeviation{20'000'000};
-constexpr Duration kMaxStep{100'000'000};     // of arrival_delay from one frame to the next
+constexpr Duration kMaxStep{100'000'000};     // of the arrival delay from one frame to the next
 constexpr Duration kMinEpoch{2'000'000'000};  // shorter ones may be frames that came late together
 constexpr Duration kMinDriftCheck{5'000'000'000}, kMinDriftSpan{10'000'000'000};
 constexpr Duration kWindow{10'000'000'000};
@@ -197,7 +197,7 @@ std::int64_t outside_ns(const SensorEpoch& epoch, SensorTime t) {
   return std::max({std::int64_t{0}, (epoch.first - t).ns, (t - epoch.last).ns});
 }
 
-// The largest arrival_delay that all frames of some ten seconds have.
+// The largest arrival delay that all frames of some ten seconds have.
 void find_deviation(StampEvidence& evidence, const std::vector<FrameStamp>& stamps,
                     const std::vector<Duration>& arrival_delay) {
   for (std::size_t first = 0, end = 0; first < stamps.size(); first = end) {

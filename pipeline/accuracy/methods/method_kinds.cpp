@@ -69,7 +69,8 @@ void range_bearing_settings(Fields& f, MethodSpec& m) {
   }
   f.named("sigma", m.sigma_is_estimated, kStatedOrEstimated,
           opt("Source of the standard deviations. stated: the next two keys; estimated: the disagreement of "
-              "the sensors in the other half of the take, and the stated ones where that tells nothing"));
+              "the sensors in the other half of the take, and the stated values of joints for which it gives "
+              "none"));
   f("range_sigma_m", o.sigma.range_m,
     opt("Standard deviation of a sensor's position along its ray", {1e-6, 1e3}));
   f("bearing_sigma_m", o.sigma.bearing_m,

@@ -26,14 +26,14 @@ ObservedBody observed(const Body& body, JointCounts& out_of_reach) {
 // Whether left and right are exchanged from one frame to the next: mirrored, the later body is far nearer to
 // the earlier one.
 bool changes_sides(const ObservedBody& a, const ObservedBody& b) {
-  double linearised_point_m = 0.0, mirrored_m = 0.0;
+  double unmirrored_m = 0.0, mirrored_m = 0.0;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const auto mirror = static_cast<std::size_t>(mirror_of(static_cast<Joint>(j)));
     if (mirror == j || !a.has(j) || !b.has(j) || !b.has(mirror)) continue;
-    linearised_point_m += static_cast<double>((a.joint_in_sensor_m[j] - b.joint_in_sensor_m[j]).norm());
+    unmirrored_m += static_cast<double>((a.joint_in_sensor_m[j] - b.joint_in_sensor_m[j]).norm());
     mirrored_m += static_cast<double>((a.joint_in_sensor_m[j] - b.joint_in_sensor_m[mirror]).norm());
   }
-  return mirrored_m < 0.5 * linearised_point_m;
+  return mirrored_m < 0.5 * unmirrored_m;
 }
 
 // Linear, but never across a change of sides, of which no exchange could be undone any more: there it is the

@@ -73,7 +73,7 @@ class TruthChecker {
   }
 
  private:
-  // What a change of the clock is, and what to write instead.
+  // Words for a start or rate of the truth that differs from the stated one, and for what to write instead.
   std::pair<std::string, std::string> clock_fault(const StreamChange& change) const {
     const HostTime stated{planned_.take.mocap_start_host_ns};
     const HostTime start =
