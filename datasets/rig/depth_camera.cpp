@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include "datasets/base/units.h"
 
@@ -48,6 +49,18 @@ std::string problem_with(const DepthIntrinsics& in) {
       std::abs(in.p2) > 0.1)
     return "has a distortion coefficient far beyond that of any lens";
   return {};
+}
+
+std::optional<std::string> doubt_about(const DepthIntrinsics& in) {
+  constexpr DepthIntrinsics kKinect;
+  constexpr double kMinFocal_px = 340.0, kMaxFocal_px = 390.0, kMinColour_px = 1000.0, kMaxColour_px = 1150.0;
+  if (in.width_px != kKinect.width_px || in.height_px != kKinect.height_px) return std::nullopt;
+  const bool fx_is_odd = in.fx_px < kMinFocal_px || in.fx_px > kMaxFocal_px;
+  const double odd_px = fx_is_odd ? in.fx_px : in.fy_px;
+  if (!fx_is_odd && in.fy_px >= kMinFocal_px && in.fy_px <= kMaxFocal_px) return std::nullopt;
+  return fmt::format(
+      "has a focal length of {:.0f} px, where depth cameras of a Kinect v2 have about 365{}", odd_px,
+      odd_px > kMinColour_px && odd_px < kMaxColour_px ? ": it is that of its colour camera" : "");
 }
 
 std::optional<Eigen::Vector2d> project(const DepthIntrinsics& in, const Eigen::Vector3d& point_in_sensor_m) {

@@ -27,6 +27,10 @@ struct DepthIntrinsics {
 // Why these intrinsics cannot belong to a Kinect-like camera; empty when they can.
 std::string problem_with(const DepthIntrinsics& intrinsics);
 
+// Why images of a Kinect v2's size are hardly its depth camera's with these intrinsics: a focal length far
+// from 365 px, which all have to 2 %. Nothing for images of another size.
+std::optional<std::string> doubt_about(const DepthIntrinsics& intrinsics);
+
 // The pixel that sees a point of the sensor frame (frames.h: +x is to the image's right, +y up).
 // Nothing when the point is not in front of the lens or so far aside (normalised radius above 1.2) that the
 // distortion model has left its range. The pixel may lie outside the image.

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "datasets/base/units.h"
+
 namespace trilat {
 namespace {
 
@@ -42,6 +44,27 @@ constexpr std::array kMaxBone_m{HUGE_VAL, 0.42, 0.25, 0.35, 0.28, 0.50, 0.45, 0.
                                 0.65,     0.35, 0.42, 0.25, 0.25, 0.25, 0.25};
 static_assert(kMaxBone_m.size() == kJointCount);
 
+constexpr std::uint64_t kMinBodies = 30;  // for what is usual
+
+// Units in which positions come from other drivers; millimetres first.
+struct OtherUnit {
+  const char* name;
+  double per_metre;
+};
+constexpr std::array kOtherUnits{OtherUnit{"millimetres", 1000.0}, OtherUnit{"centimetres", 100.0}};
+
+// Joints along the spine: the lower one is nearer to where it begins. A tracker's drift makes spine_shoulder
+// and neck, 8 cm apart, change places by a centimetre or two.
+constexpr double kClearly_m = 0.04;
+struct SpineOrder {
+  Joint from, lower, upper;
+};
+constexpr std::array kSpine{SpineOrder{Joint::spine_base, Joint::spine_mid, Joint::spine_shoulder},
+                            SpineOrder{Joint::spine_mid, Joint::spine_shoulder, Joint::neck},
+                            SpineOrder{Joint::spine_shoulder, Joint::neck, Joint::head}};
+
+bool is_in_reach(double range_m) { return range_m >= kMinJointDistance_m && range_m <= kMaxJointDistance_m; }
+
 bool shows_enough(const Body& body) {
   std::size_t seen = 0;
   for (std::size_t j = 0; j < kJointCount; ++j) seen += reading_of(body, j) == JointReading::seen ? 1 : 0;
@@ -55,42 +78,77 @@ JointReading reading_of(const Body& body, std::size_t joint) {
   if (state != 1 && state != 2) return JointReading::not_tracked;
   const double range_m = distance_m(body.position_m[joint], {});
   if (!std::isfinite(range_m)) return JointReading::not_finite;
-  return range_m >= kMinJointDistance_m && range_m <= kMaxJointDistance_m ? JointReading::seen
-                                                                          : JointReading::out_of_reach;
+  return is_in_reach(range_m) ? JointReading::seen : JointReading::out_of_reach;
 }
 
-std::optional<std::string> out_of_reach_text(const JointCounts& counts) {
+void JointFaults::add(const Body& body) {
+  std::array<bool, kJointCount> is_seen{};
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const JointReading reading = reading_of(body, j);
+    is_seen[j] = reading == JointReading::seen;
+    joints_ += is_seen[j] || reading == JointReading::out_of_reach ? 1 : 0;
+    if (reading != JointReading::out_of_reach) continue;
+    ++out_of_reach_[j];
+    const double range = distance_m(body.position_m[j], {});
+    at_sensor_ += range == 0.0 ? 1 : 0;
+    for (std::size_t u = 0; u < kOtherUnits.size(); ++u)
+      in_unit_[u] += is_in_reach(range / kOtherUnits[u].per_metre) ? 1 : 0;
+  }
+  const auto between_m = [&](Joint one, Joint other) {
+    const auto a = static_cast<std::size_t>(one), b = static_cast<std::size_t>(other);
+    return is_seen[a] && is_seen[b] ? distance_m(body.position_m[a], body.position_m[b]) : kNaN;
+  };
+  for (std::size_t b = 0; b < kBones.size(); ++b)
+    if (const double m = between_m(kBones[b].parent, kBones[b].child); std::isfinite(m))
+      ++lengths_[b][static_cast<std::size_t>(std::min(m / kBin_m, static_cast<double>(kBins - 1)))];
+  for (std::size_t k = 0; k < kSpine.size(); ++k) {
+    const double lower_m = between_m(kSpine[k].from, kSpine[k].lower),
+                 upper_m = between_m(kSpine[k].from, kSpine[k].upper);
+    spines_[k] += std::isfinite(lower_m + upper_m) ? 1 : 0;
+    exchanged_[k] += lower_m > upper_m + kClearly_m ? 1 : 0;
+  }
+}
+
+std::vector<std::string> JointFaults::texts() const {
+  std::vector<std::string> texts;
+  if (const auto text = out_of_reach_text()) texts.push_back(*text);
+  if (const auto text = too_long_text())
+    texts.push_back(*text);
+  else if (const auto order = spine_text())
+    texts.push_back(*order);
+  return texts;
+}
+
+std::optional<std::string> JointFaults::out_of_reach_text() const {
   std::uint64_t all = 0;
   std::vector<std::string> joints;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    all += counts[j];
-    if (counts[j] > 0) joints.push_back(fmt::format("{} {}", name_of(static_cast<Joint>(j)), counts[j]));
+    all += out_of_reach_[j];
+    if (out_of_reach_[j] > 0)
+      joints.push_back(fmt::format("{} {}", name_of(static_cast<Joint>(j)), out_of_reach_[j]));
   }
   if (all == 0) return std::nullopt;
+  const auto most_of = [](std::uint64_t count, std::uint64_t of) { return 10 * count >= 9 * of; };
+  for (std::size_t u = 0; u < kOtherUnits.size(); ++u)
+    if (most_of(all, joints_) && most_of(in_unit_[u], all))
+      return fmt::format(
+          "{} of {} joints lie farther than {:g} m of the sensor and count as not seen; taken as {} they are "
+          "within its reach: write positions in metres",
+          all, joints_, kMaxJointDistance_m, kOtherUnits[u].name);
   return fmt::format(
-      "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as not seen; are "
-      "positions in metres?",
-      all, kMinJointDistance_m, kMaxJointDistance_m, fmt::join(joints, ", "));
+      "{} joints lie nearer than {:g} m or farther than {:g} m of the sensor ({}) and count as not seen{}",
+      all, kMinJointDistance_m, kMaxJointDistance_m, fmt::join(joints, ", "),
+      at_sensor_ == 0 ? ""
+                      : fmt::format("; {} of them at (0, 0, 0), as is written for joints without a position",
+                                    at_sensor_ == all ? "all" : std::to_string(at_sensor_)));
 }
 
-void BoneLengths::add(const Body& body) {
-  for (std::size_t b = 0; b < kBones.size(); ++b) {
-    const auto parent = static_cast<std::size_t>(kBones[b].parent),
-               child = static_cast<std::size_t>(kBones[b].child);
-    if (reading_of(body, parent) != JointReading::seen || reading_of(body, child) != JointReading::seen)
-      continue;
-    const double bin = distance_m(body.position_m[parent], body.position_m[child]) / kBin_m;
-    ++counts_[b][static_cast<std::size_t>(std::min(bin, static_cast<double>(kBins - 1)))];
-  }
-}
-
-std::optional<std::string> BoneLengths::too_long_text() const {
-  constexpr std::uint64_t kMinBodies = 30;
+std::optional<std::string> JointFaults::too_long_text() const {
   constexpr std::size_t kMinBones = 6;  // of hidden limbs up to 4 are too long
   constexpr std::size_t kMaxNamed = 3;
   std::vector<std::string> bones;
   for (std::size_t b = 0; b < kBones.size(); ++b) {
-    const auto& counts = counts_[b];
+    const auto& counts = lengths_[b];
     const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
     if (all < kMinBodies) continue;
     std::size_t bin = 0;
@@ -105,6 +163,14 @@ std::optional<std::string> BoneLengths::too_long_text() const {
       "{} of {} bones are longer than those of a person ({}{}); are the joints in the order of a Kinect v2?",
       bones.size(), kBones.size(), fmt::join(std::span(bones).first(std::min(kMaxNamed, bones.size())), "; "),
       bones.size() > kMaxNamed ? "; ..." : "");
+}
+
+std::optional<std::string> JointFaults::spine_text() const {
+  for (std::size_t k = 0; k < kSpine.size(); ++k)
+    if (spines_[k] >= kMinBodies && 10 * exchanged_[k] >= 9 * spines_[k])
+      return fmt::format("{} lies farther from {} than {} does: are the two exchanged?",
+                         name_of(kSpine[k].lower), name_of(kSpine[k].from), name_of(kSpine[k].upper));
+  return std::nullopt;
 }
 
 void StaleBodies::Run::end() {

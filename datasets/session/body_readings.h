@@ -20,24 +20,28 @@ enum class JointReading : std::uint8_t { not_tracked, seen, not_finite, out_of_r
 inline constexpr double kMinJointDistance_m = 0.4, kMaxJointDistance_m = 10.0;
 JointReading reading_of(const Body& body, std::size_t joint);
 
-// Joints out of reach, by joint.
-using JointCounts = std::array<std::uint64_t, kJointCount>;
-// "45 joints lie nearer than 0.4 m or farther than 10 m of the sensor (wrist_left 45) and count as not seen";
-// nothing when there are none.
-std::optional<std::string> out_of_reach_text(const JointCounts& counts);
-
-// Lengths of the bones of a sensor's bodies, by which joints in another order than the Kinect's show.
-class BoneLengths {
+// Faults of where a sensor's joints lie: out of reach, in another unit, or in another order than the
+// Kinect's, which shows in bones that no person has.
+class JointFaults {
  public:
   void add(const Body& body);
-  // "bones are longer than those of a person (elbow_left to wrist_left 0.92 m, at most 0.45; ...): are the
-  // joints in the order of a Kinect v2?", where that is so for six bones or more in the median.
-  std::optional<std::string> too_long_text() const;
+  // One text a kind of fault; joints out of reach first.
+  std::vector<std::string> texts() const;
+  bool in_other_order() const { return too_long_text() || spine_text(); }
 
  private:
   static constexpr double kBin_m = 0.02;
   static constexpr std::size_t kBins = 100;  // the last one for all that are longer
-  std::array<std::array<std::uint32_t, kBins>, kBoneCount> counts_{};
+  std::optional<std::string> out_of_reach_text() const;
+  std::optional<std::string> too_long_text() const;
+  std::optional<std::string> spine_text() const;
+
+  std::array<std::uint64_t, kJointCount> out_of_reach_{};
+  std::uint64_t joints_ = 0;                // tracked or inferred, and finite
+  std::uint64_t at_sensor_ = 0;             // of those out of reach
+  std::array<std::uint64_t, 2> in_unit_{};  // of those out of reach, within reach as millimetres, centimetres
+  std::array<std::array<std::uint32_t, kBins>, kBoneCount> lengths_{};
+  std::array<std::uint64_t, 3> spines_{}, exchanged_{};  // by kSpine
 };
 
 // Finds what a sensor gives again: a driver that has nothing new repeats a body, to the last bit, under new

@@ -104,10 +104,9 @@ void verify_stamps(const SessionReader& session, std::size_t sensor, FrameStream
 
 struct BodyCounts {
   std::uint64_t frames_without = 0, not_finite = 0, odd_states = 0, without_id = 0, same_id = 0;
-  JointCounts out_of_reach{};
   BodyIdentities identities;
   StaleBodies stale;
-  BoneLengths bones;
+  JointFaults joints;
   std::size_t bodies = 0;
   std::set<std::uint64_t> ids;
 
@@ -125,12 +124,10 @@ struct BodyCounts {
 
   void add(const Body& body) {
     if (body.tracking_id == 0) ++without_id;
-    bones.add(body);
+    joints.add(body);
     for (std::size_t j = 0; j < kJointCount; ++j) {
       if (body.tracking_state[j] > 2) ++odd_states;
-      const JointReading reading = reading_of(body, j);
-      if (reading == JointReading::not_finite) ++not_finite;
-      if (reading == JointReading::out_of_reach) ++out_of_reach[j];
+      if (reading_of(body, j) == JointReading::not_finite) ++not_finite;
     }
   }
 
@@ -150,10 +147,8 @@ struct BodyCounts {
           Severity::error, "/bodies/position_m",
           fmt::format("{} tracked or inferred joints are not finite; they count as not seen", not_finite),
           kAnswers);
-    if (const auto text = out_of_reach_text(out_of_reach))
-      place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
-    if (const auto text = bones.too_long_text())
-      place.say(Severity::error, "/bodies/position_m", *text, kPositions);
+    for (const std::string& text : joints.texts())
+      place.say(Severity::error, "/bodies/position_m", text, kPositions);
     if (identities.jumps() > 0)
       place.say(Severity::warning, "/bodies/tracking_id",
                 fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; "
@@ -291,7 +286,9 @@ void verify_clock(const SessionReader& session, std::size_t sensor, const Place&
                           "since the recording is short",
                           1e6 * clock.stamps.drift_left_out),
               kTimes);
-  if (clock.epochs.size() > 1)
+  if (const auto text = arrival_jump_text(clock))
+    place.say(Severity::error, "", *text, kTimes);
+  else if (clock.epochs.size() > 1)
     place.say(Severity::note, "",
               fmt::format("its ticks began anew {} times while recording; each stretch is fitted by itself",
                           clock.epochs.size() - 1));
@@ -347,6 +344,7 @@ void verify_ends(const SessionReader& session, std::vector<Finding>& findings) {
     const SensorCounts& counts = session.counts(s);
     if (counts.body_frames + counts.depth_frames == 0) continue;
     const SensorClockMap host_from_sensor = fit_sensor_clock(session, s);
+    if (arrival_jump_text(host_from_sensor)) return;  // ends are not on one clock
     for (const auto& [stream, frames] : {std::pair{FrameStream::bodies, counts.body_frames},
                                          std::pair{FrameStream::depth, counts.depth_frames}}) {
       if (frames == 0) continue;
@@ -396,6 +394,8 @@ void verify_sensor(const SessionReader& session, std::size_t s, const VerifyOpti
     if (const auto text = odd_ticks_text(session, s))
       place.say(Severity::error, "/body_frames", *text, kTimes);
   });
+  if (const auto text = doubt_about(session.header().sensors[s].intrinsics))
+    place.say(Severity::warning, "", *text, kDepthUses);
   check([&] { verify_bodies(session, s, place, advance); });
   if (counts.depth_frames > 0) {
     check([&] {

@@ -5,10 +5,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
 #include "evaluators/calibration/rig_start.h"
+#include "pipeline/stream_fit/stream_change.h"
 
 namespace trilat {
 namespace {
@@ -44,6 +46,7 @@ std::string why_nothing_seen(const SensorEvidence& search) {
     return entry == search.statuses.end() ? std::uint64_t{0} : entry->second;
   };
   const std::string counts = fmt::format(" ({} frames: {})", search.frames, counts_text(search.statuses));
+  if (search.doubt) return *search.doubt + "; its ball cannot have the stated radius" + counts;
   if (search.other_radius_m)
     return fmt::format(
         "sees a ball of {:g} m radius, and none of the stated one: state --ball-radius-m {:g}, which is half "
@@ -92,6 +95,71 @@ void check_placement(const RigStart& start, const WandObservations& views, const
                                     "; are the intrinsics this sensor's own, and was the rig left alone?");
     }
   }
+}
+
+// Whether the places of two streams are each other's mirror image: laid over each other they agree mirrored,
+// and far less as they are.
+bool is_mirror_image(const FrameSums& places) {
+  constexpr double kMinPlaces = 5.0, kAgree_m = 0.03, kTimes = 3.0;
+  if (places.pairs < kMinPlaces) return false;
+  const auto rms_m = [&](bool mirrored) {
+    return std::sqrt(fit_frame(places, FrameChange::turned, mirrored).squares_m2 / places.pairs);
+  };
+  return rms_m(true) < kAgree_m && rms_m(false) > std::max(2.0 * kAgree_m, kTimes * rms_m(true));
+}
+
+// What two sensors see of the ball at the same places.
+FrameSums common_places(const WandObservations& views, std::size_t one, std::size_t other) {
+  FrameSums sums;
+  for (const WandPosition& position : views.positions) {
+    const auto ball_of = [&](std::size_t sensor) {
+      return std::ranges::find(position.seen, sensor, &StaticSighting::sensor);
+    };
+    if (const auto a = ball_of(one), b = ball_of(other); a != position.seen.end() && b != position.seen.end())
+      sums.add(a->centre_in_sensor_m, b->centre_in_sensor_m);
+  }
+  return sums;
+}
+
+// Sensors whose depth images are flipped from left to right show the ball's places mirrored: beside the
+// export of the ball, else beside most of the other sensors.
+void check_mirrors(const WandObservations& views, const CalibrateWandOptions& options,
+                   const std::string& place) {
+  const std::size_t sensors = views.evidence.size();
+  std::vector<std::size_t> mirrored;
+  if (options.world) {
+    std::vector<FrameSums> sums(sensors);
+    for (const ControlPoint& known :
+         known_positions(*options.world, std::span(views.positions).first(views.positions_of_first)))
+      for (const StaticSighting& ball : views.positions[known.point].seen)
+        sums[ball.sensor].add(known.point_in_world_m, ball.centre_in_sensor_m);
+    for (std::size_t s = 0; s < sensors; ++s)
+      if (is_mirror_image(sums[s])) mirrored.push_back(s);
+    if (mirrored.size() == sensors)
+      throw InputError(
+          options.world->mocap.string(),
+          "shows the ball's places as the mirror image of what every sensor sees: the export has "
+          "left-handed axes, or all depth images are flipped from left to right");
+  } else {
+    std::vector<std::vector<std::size_t>> unlike(sensors);
+    for (std::size_t a = 0; a < sensors; ++a)
+      for (std::size_t b = 0; b < sensors; ++b)
+        if (a != b && is_mirror_image(common_places(views, a, b))) unlike[a].push_back(b);
+    for (std::size_t s = 0; s < sensors; ++s)
+      if (2 * unlike[s].size() > sensors - 1 || (sensors == 2 && !unlike[s].empty())) mirrored.push_back(s);
+  }
+  if (mirrored.empty()) return;
+  std::vector<std::string> names;
+  for (const std::size_t s : mirrored) names.push_back('"' + views.evidence[s].name + '"');
+  const bool is_open = !options.world && 2 * mirrored.size() >= sensors;
+  const bool is_one = is_open || mirrored.size() == 1;
+  throw InputError(
+      place, fmt::format("{} {} {} the ball's places mirrored: {} depth images are flipped from left to "
+                         "right; turn every row of them round",
+                         is_open  ? "one of the sensors"
+                         : is_one ? "sensor"
+                                  : "sensors",
+                         fmt::join(names, " and "), is_one ? "shows" : "show", is_one ? "its" : "their"));
 }
 
 RigGauge gauge_of(const WandObservations& views, const CalibrateWandOptions& options) {
@@ -201,6 +269,7 @@ WandCalibration calibrate_views(WandObservations views, const std::string& place
                                 const CalibrateWandOptions& options) {
   const std::vector<bool> saw_before = sensors_that_saw(views);
   drop_unusable_positions(views);
+  check_mirrors(views, options, place);
   const RigProblem problem = problem_of(views, options);
   const RigStart start = initial_poses(problem, {});
   check_placement(start, views, saw_before, place);

@@ -114,6 +114,7 @@ void add_recording(WandObservations& views, const SessionReader& session, const 
   for (std::size_t s = 0; s < found.size(); ++s) {
     const std::vector<StaticSighting> more = find_static_intervals(found[s], s, options.positions);
     add_rests(views.evidence[s], more);
+    views.evidence[s].doubt = doubt_about(session.header().sensors[s].intrinsics);
     if (views.evidence[s].rests == 0)
       views.evidence[s].other_radius_m = other_radius_m(session, s, options.search.find);
     rests.insert(rests.end(), more.begin(), more.end());

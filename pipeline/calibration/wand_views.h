@@ -37,6 +37,7 @@ struct SensorEvidence {
   // Radius of the ball that the frames show where it is half or twice the stated one; looked for where the
   // sensor saw no rest.
   std::optional<double> other_radius_m = std::nullopt;
+  std::optional<std::string> doubt = std::nullopt;  // about the camera's intrinsics
 };
 
 // Places of the wand, of all recordings one after the other.

@@ -15,10 +15,12 @@ constexpr std::size_t kMaxLengthLooks = 300;  // instants
 constexpr double kMinLength_m = 0.05;         // shorter distances give no ratio
 constexpr double kMinTriedScale = 0.03;       // below, no scale is tried
 constexpr double kNearUnit = 0.12;            // of a logarithm
-constexpr double kPart_s = 0.25;              // of time, for a unit that changes
+constexpr double kNearUnitOfAxis = 0.4;  // the same; markers lie on another side of a joint than trackers
+constexpr double kPart_s = 0.25;         // of time, for a unit that changes
 constexpr std::size_t kMaxParts = 400;
 constexpr double kMinJump = 0.5;       // of the logarithm of the ratio
 constexpr double kMinPointJump = 0.7;  // the same for one point
+constexpr double kMinAxisJump = 2.0;   // of one axis; a person who stands is a few centimetres deep
 constexpr double kMinMovement_m = 0.03;
 constexpr double kStaysWithin = 0.15;  // of the reference's movement, for a root
 constexpr double kFlat_m = 0.002, kDeep_m = 0.05;
@@ -27,10 +29,10 @@ constexpr std::array kUnits{1000.0, 100.0, 10.0,     0.1,  0.01,     0.001, 39.3
                             0.3048, 25.4,  1 / 25.4, 2.54, 1 / 2.54, 304.8, 1 / 304.8, 12.0,   1 / 12.0};
 
 // Unit of a ratio, or the ratio itself.
-SizeChange size_of(double ratio) {
+SizeChange size_of(double ratio, double near = kNearUnit) {
   SizeChange size{.factor = ratio};
   for (const double unit : kUnits)
-    if (std::abs(std::log(ratio / unit)) < kNearUnit) {
+    if (std::abs(std::log(ratio / unit)) < near) {
       if (size.is_unit && std::abs(std::log(ratio / unit)) > std::abs(std::log(ratio / size.factor)))
         continue;
       size.factor = unit;
@@ -156,10 +158,38 @@ void add_points(const StreamPair& pair, const std::vector<SizeChange>& of_all,
   }
 }
 
+// Mean distance of all points along an axis from where they are in the mean.
+double extent_m(const PointStream& stream, int axis) {
+  double count = 0.0, sum_m = 0.0, off_m = 0.0;
+  const auto each = [&](const auto& visit) {
+    for (const Eigen::Vector3d& at_m : stream.at_m)
+      if (at_m.allFinite()) visit(at_m[axis]);
+  };
+  each([&](double m) { sum_m += m, count += 1.0; });
+  each([&](double m) { off_m += std::abs(m - sum_m / count); });
+  return off_m / count;
+}
+
+// One or two axes in another unit than the rest.
+void add_axes(const StreamPair& pair, std::vector<std::vector<SizeChange>>& candidates) {
+  std::vector<SizeChange> sizes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double ratio = extent_m(pair.subject, axis) / extent_m(pair.reference, axis);
+    if (!(std::abs(std::log(ratio)) > kMinAxisJump)) continue;
+    SizeChange size = size_of(ratio, kNearUnitOfAxis);
+    if (!size.is_unit) return;
+    size.axis = axis;
+    sizes.push_back(size);
+  }
+  if (sizes.size() == 1 || sizes.size() == 2) candidates.push_back(std::move(sizes));
+}
+
 }  // namespace
 
 std::vector<std::vector<SizeChange>> size_candidates(const StreamPair& pair) {
   std::vector<std::vector<SizeChange>> candidates(1);
+  add_axes(pair, candidates);
+  if (candidates.size() > 1) return candidates;  // with an axis that large, lengths tell nothing
   const std::vector<Length> lengths = lengths_of(pair.reference);
   const auto add_ratio = [](double ratio, std::vector<SizeChange>& sizes) {
     const SizeChange size = size_of(ratio);

@@ -83,14 +83,20 @@ void undo_sizes(const std::vector<SizeChange>& sizes, double subject_s, std::spa
   for (const SizeChange& size : sizes) {
     if (!size.holds(subject_s)) continue;
     for (std::size_t j = 0; j < points_m.size(); ++j)
-      if (!size.point || *size.point == j) points_m[j] /= size.factor;
+      if (size.axis)
+        points_m[j][*size.axis] /= size.factor;
+      else if (!size.point || *size.point == j)
+        points_m[j] /= size.factor;
   }
 }
 
 unsigned causes_of(const StreamChange& change) {
   unsigned causes = 0;
   for (const SizeChange& size : change.sizes)
-    causes |= size.point ? kPointSizeCause : size.at_s ? kLaterSizeCause : kSizeCause;
+    causes |= size.point  ? kPointSizeCause
+              : size.axis ? kAxisSizeCause
+              : size.at_s ? kLaterSizeCause
+                          : kSizeCause;
   if (change.has_start) causes |= kStartCause;
   if (change.has_stretch) causes |= kRateCause;
   for (std::size_t j = 0; j < change.order.size(); ++j)

@@ -10,12 +10,13 @@
 
 namespace trilat {
 
-// Numbers that are `factor` times too large: of all points or one, in the whole file from a time on or until
-// then.
+// Numbers that are `factor` times too large: of all points or one, along all axes or one, in the whole file,
+// from a time on or until then.
 struct SizeChange {
   double factor = 1.0;
   bool is_unit = false;                // the factor is that of two units of length
   std::optional<std::size_t> point{};  // of the subject
+  std::optional<int> axis{};           // 0 to 2
   std::optional<double> at_s{};        // when it begins, on the subject's clock
   bool until = false;                  // it ends then instead
 
@@ -61,17 +62,18 @@ void undo_sizes(const std::vector<SizeChange>& sizes, double subject_s, std::spa
 
 // Kinds of causes, as bits.
 enum StreamCause : unsigned {
-  kSizeCause = 1,       // unit or scale of everything
-  kPointSizeCause = 2,  // unit of one point
-  kLaterSizeCause = 4,  // unit from a time on
-  kStartCause = 8,      // start of the clock
-  kRateCause = 16,      // rate of the clock
-  kSidesCause = 32,     // exchanged points
-  kShiftCause = 64,     // origin of the frame
-  kTurnCause = 128,     // axes of the frame
-  kMirrorCause = 256,   // handedness of the frame
-  kRootCause = 512,     // positions relative to a point of the body
-  kAllStreamCauses = 1023
+  kSizeCause = 1,         // unit or scale of everything
+  kPointSizeCause = 2,    // unit of one point
+  kLaterSizeCause = 4,    // unit from a time on
+  kStartCause = 8,        // start of the clock
+  kRateCause = 16,        // rate of the clock
+  kSidesCause = 32,       // exchanged points
+  kShiftCause = 64,       // origin of the frame
+  kTurnCause = 128,       // axes of the frame
+  kMirrorCause = 256,     // handedness of the frame
+  kRootCause = 512,       // positions relative to a point of the body
+  kAxisSizeCause = 1024,  // unit of one axis
+  kAllStreamCauses = 2047
 };
 unsigned causes_of(const StreamChange& change);
 // Number of fitted parameters; a choice among few counts as one.

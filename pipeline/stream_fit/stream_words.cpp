@@ -21,7 +21,7 @@ struct CauseText {
 };
 
 CauseText size_text(const SizeChange& size, const StreamWords& words) {
-  const std::string factor = fmt::format("{:.3g}", size.factor);
+  const std::string factor = factor_text(size);
   const char* const unit = unit_text(size);
   if (size.at_s) {
     const std::string when =
@@ -32,6 +32,9 @@ CauseText size_text(const SizeChange& size, const StreamWords& words) {
   if (size.point)
     return {fmt::format("has {} {} times as far away as it is{}", words.names[*size.point], factor, unit),
             fmt::format("divide the numbers of {} by {}", words.names[*size.point], factor)};
+  if (size.axis)
+    return {fmt::format("has {} {} times as large as {}{}", "xyz"[*size.axis], factor, words.reference, unit),
+            fmt::format("divide its {} by {}", "xyz"[*size.axis], factor)};
   return {fmt::format("is {} times as large as {}{}", factor, words.reference, unit),
           fmt::format("divide its numbers by {}", factor)};
 }
@@ -148,6 +151,10 @@ std::string effect_text(const StreamFit& fit, const StreamWords& words) {
 }
 
 }  // namespace
+
+std::string factor_text(const SizeChange& size) {
+  return size.is_unit ? fmt::format("{:.6g}", size.factor) : fmt::format("{:.3g}", size.factor);
+}
 
 const char* unit_text(const SizeChange& size) {
   if (!size.is_unit) return "";

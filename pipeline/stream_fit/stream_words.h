@@ -16,6 +16,8 @@ struct StreamWords {
   bool clock_is_applied = false;   // the start that the motion shows
 };
 
+// "1000", "39.3701" of a unit, "1.15" of another scale.
+std::string factor_text(const SizeChange& size);
 // ", as feet taken for metres" of a unit, else nothing.
 const char* unit_text(const SizeChange& size);
 // "(x, z, -y)" for a matrix of signed axes.

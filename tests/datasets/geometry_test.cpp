@@ -46,6 +46,27 @@ TEST(DepthCamera, WithoutDistortionIsThePinholeFormula) {
   EXPECT_NEAR(pixel.y(), 205.395 + 365.456 * 0.125, kTight);
 }
 
+TEST(DepthCamera, AFocalLengthThatNoKinectHasIsDoubted) {
+  const auto doubt = [](double fx_px, double fy_px, int width_px = 512) {
+    DepthIntrinsics in;
+    in.width_px = width_px;
+    in.fx_px = fx_px;
+    in.fy_px = fy_px;
+    return doubt_about(in).value_or("");
+  };
+  EXPECT_EQ(doubt(365.456, 365.456), "");
+  EXPECT_EQ(doubt(341.0, 389.0), "");
+  EXPECT_EQ(
+      doubt(1081.37, 1081.37),
+      "has a focal length of 1081 px, where depth cameras of a Kinect v2 have about 365: it is that of its "
+      "colour camera");
+  EXPECT_EQ(doubt(339.0, 365.0),
+            "has a focal length of 339 px, where depth cameras of a Kinect v2 have about 365");
+  EXPECT_EQ(doubt(365.0, 391.0),
+            "has a focal length of 391 px, where depth cameras of a Kinect v2 have about 365");
+  EXPECT_EQ(doubt(504.0, 504.0, 640), "");
+}
+
 TEST(DepthCamera, IsBelievedToTheLimitsThatAreStated) {
   DepthIntrinsics in;
   for (const double widths : {0.3, 3.0}) {

@@ -91,4 +91,21 @@ inline std::filesystem::path killed_by_0_4(const std::filesystem::path& session,
   return partial;
 }
 
+// A person of 1.75 m, 2.5 m before the sensor, arms stretched out.
+inline Body standing_body() {
+  constexpr std::array<std::array<float, 2>, kJointCount> kPlaces_m{
+      {{0, 0},         {0, 0.3F},      {0, 0.58F},     {0, 0.74F},      {-0.18F, 0.5F},
+       {-0.46F, 0.5F}, {-0.7F, 0.5F},  {-0.78F, 0.5F}, {0.18F, 0.5F},   {0.46F, 0.5F},
+       {0.7F, 0.5F},   {0.78F, 0.5F},  {-0.09F, 0},    {-0.11F, -0.4F}, {-0.12F, -0.8F},
+       {-0.2F, -0.9F}, {0.09F, 0},     {0.11F, -0.4F}, {0.12F, -0.8F},  {0.2F, -0.9F},
+       {0, 0.52F},     {-0.86F, 0.5F}, {-0.8F, 0.55F}, {0.86F, 0.5F},   {0.8F, 0.55F}}};
+  Body body{};
+  body.tracking_id = 1;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    body.position_m[j] = {kPlaces_m[j][0], kPlaces_m[j][1], 2.5F};
+    body.tracking_state[j] = 2;
+  }
+  return body;
+}
+
 }  // namespace trilat

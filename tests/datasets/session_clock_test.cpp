@@ -93,6 +93,31 @@ TEST(SensorClock, AClockThatLeavesItsLineIsToldWithWhatItCosts) {
     }
 }
 
+// Ticks that go on say that the sensor was not restarted.
+TEST(SensorClock, ArrivalsWhoseClockWasSetAreToldFromARestart) {
+  const SimulatedClocks clocks{.seconds = 60.0};
+  const auto text_of = [&](double jump_s, std::size_t at, std::size_t missing = 0) {
+    auto frames = clocks.frames();
+    for (std::size_t i = at; i < frames.size(); ++i)
+      frames[i].stamp.arrival_ns += static_cast<std::int64_t>(1e9 * jump_s);
+    frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(at),
+                 frames.begin() + static_cast<std::ptrdiff_t>(at + missing));
+    return arrival_jump_text(fitted(clocks, frames, clocks.exchanges())).value_or("");
+  };
+  EXPECT_TRUE(text_of(5.0, 900).starts_with(
+      "arrivals jump by 5.00 s, 30.0 s after its first frame, while its ticks go on"))
+      << text_of(5.0, 900);
+  EXPECT_TRUE(text_of(5.0, 900).ends_with("take 5.000 s from the arrivals from there on"))
+      << text_of(5.0, 900);
+  EXPECT_TRUE(text_of(-3600.0, 300).ends_with("add 3600.000 s to the arrivals from there on"))
+      << text_of(-3600.0, 300);
+  EXPECT_NE(text_of(0.5, 1200), "");
+  EXPECT_NE(text_of(5.0, 900, 25), "");
+  EXPECT_EQ(text_of(5.0, 900, 35), "");  // a second without frames may be anything
+  EXPECT_EQ(text_of(0.0, 900), "");
+  EXPECT_EQ(arrival_jump_text(clock_errors({.sensor_restart_at_s = 250.0}).map), std::nullopt);
+}
+
 TEST(SensorClock, AMinuteOfLateFramesIsToldAndMovesNoOther) {
   SimulatedClocks clocks{.seconds = 120.0};
   auto frames = clocks.frames();

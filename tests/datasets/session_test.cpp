@@ -196,15 +196,6 @@ TEST(Session, VerifySaysWhatIsOdd) {
   EXPECT_THAT(said, Not(HasSubstr("damaged")));
 }
 
-TEST(Session, VerifyAsksWhetherPositionsAreMetresAlongEachAxis) {
-  const std::string said = said_of(written("millimetres.h5", 3, [](std::int64_t i, BodyFrame& frame) {
-    frame.bodies[0].position_m = {};
-    frame.bodies[0].position_m[7][static_cast<std::size_t>(i)] = -2100.0f;
-    return true;
-  }));
-  EXPECT_THAT(said, HasSubstr("are positions in metres?"));
-}
-
 TEST(Session, VerifyCountsJointsOutOfReachAndJumpsOfABody) {
   const std::string said = said_of(written("spoiled.h5", 60, [](std::int64_t i, BodyFrame& frame) {
     Body& body = frame.bodies[0];
@@ -223,77 +214,21 @@ TEST(Session, VerifyCountsJointsOutOfReachAndJumpsOfABody) {
   EXPECT_THAT(said, testing::Not(HasSubstr("hold no body")));
 }
 
-// A person of 1.75 m, 2.5 m before the sensor, arms stretched out.
-Body standing_body() {
-  constexpr std::array<std::array<float, 2>, kJointCount> kPlaces_m{
-      {{0, 0},         {0, 0.3F},      {0, 0.58F},     {0, 0.74F},      {-0.18F, 0.5F},
-       {-0.46F, 0.5F}, {-0.7F, 0.5F},  {-0.78F, 0.5F}, {0.18F, 0.5F},   {0.46F, 0.5F},
-       {0.7F, 0.5F},   {0.78F, 0.5F},  {-0.09F, 0},    {-0.11F, -0.4F}, {-0.12F, -0.8F},
-       {-0.2F, -0.9F}, {0.09F, 0},     {0.11F, -0.4F}, {0.12F, -0.8F},  {0.2F, -0.9F},
-       {0, 0.52F},     {-0.86F, 0.5F}, {-0.8F, 0.55F}, {0.86F, 0.5F},   {0.8F, 0.55F}}};
-  Body body{};
-  body.tracking_id = 1;
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    body.position_m[j] = {kPlaces_m[j][0], kPlaces_m[j][1], 2.5F};
-    body.tracking_state[j] = 2;
-  }
-  return body;
-}
-
-std::string text_of_bones(const std::function<void(Body&)>& change, int bodies = 40) {
-  BoneLengths bones;
-  for (int i = 0; i < bodies; ++i) {
-    Body body = standing_body();
-    change(body);
-    bones.add(body);
-  }
-  return bones.too_long_text().value_or("");
-}
-
-TEST(BoneLengths, JointsInAnotherOrderAreNamed) {
-  const auto reordered = [](const std::vector<std::pair<int, int>>& swaps) {
-    return [=](Body& body) {
-      for (const auto& [a, b] : swaps)
-        std::swap(body.position_m[static_cast<std::size_t>(a)], body.position_m[static_cast<std::size_t>(b)]);
-    };
-  };
-  // spine_shoulder after spine_mid, as in the order from the hips upwards
-  const auto inserted = [](Body& body) {
-    const auto first = body.position_m.begin();
-    std::rotate(first + 2, first + 20, first + 21);
-  };
-  for (const auto& change : std::vector<std::function<void(Body&)>>{
-           reordered({{4, 12}, {8, 16}}), reordered({{6, 13}, {10, 17}}), inserted,
-           [](Body& body) { std::ranges::reverse(body.position_m); },
-           [](Body& body) {
-             std::rotate(body.position_m.begin(), body.position_m.begin() + 1, body.position_m.end());
-           }})
-    EXPECT_THAT(text_of_bones(change), HasSubstr("are the joints in the order of a Kinect v2?"));
-  EXPECT_THAT(
-      text_of_bones(reordered({{6, 13}, {10, 17}})),
-      HasSubstr("10 of 24 bones are longer than those of a person (elbow_left to wrist_left 0.97 m, at "
-                "most 0.45; "));
-}
-
-TEST(BoneLengths, PeopleOfAnySizeAndHalfSeenOnesAreNot) {
-  for (const float size : {0.5F, 0.9F, 1.0F, 1.15F})
-    EXPECT_EQ(text_of_bones([=](Body& body) {
-                for (auto& at : body.position_m) at = {at[0] * size, at[1] * size, at[2]};
-              }),
-              "");
-  const auto hidden_hands = [](Body& body) {
-    body.position_m[6] = {3, 0, 2.5F};
-    body.position_m[15] = {3, 0, 2.5F};
-  };
-  EXPECT_EQ(text_of_bones(hidden_hands), "");
-  const auto reversed = [](Body& body) { std::ranges::reverse(body.position_m); };
-  EXPECT_EQ(text_of_bones(reversed, 29), "");
-  EXPECT_NE(text_of_bones(reversed, 30), "");
-  EXPECT_EQ(text_of_bones([&](Body& body) {
-              reversed(body);
-              body.tracking_state.fill(0);
-            }),
-            "");
+// The sensor whose arrivals jump is named, and no other for ending earlier.
+TEST(Session, VerifyNamesArrivalsWhoseClockWasSet) {
+  const auto path = scratch("clock_set.h5");
+  SessionWriter writer(path, header_of(2));
+  for (std::int64_t i = 0; i < 300; ++i)
+    for (const std::size_t sensor : {0U, 1U}) {
+      BodyFrame frame = body_frame_of(i, 1);
+      if (sensor == 1 && i >= 150) frame.stamp.arrival_ns += 5'000'000'000;
+      writer.add_body_frame(sensor, frame);
+    }
+  writer.finish();
+  const std::string said = said_of(path);
+  EXPECT_THAT(said, HasSubstr("error arrivals jump by 5.00 s, 5.0 s after its first frame"));
+  EXPECT_THAT(said, Not(HasSubstr("ends")));
+  EXPECT_THAT(said, Not(HasSubstr("began anew")));
 }
 
 // From frame 10 on the same body comes seven times more, then every other one twice.

@@ -288,6 +288,36 @@ TEST(CalibrateViews, WithAnExportOfTheBallPosesAreInOptiTracksWorld) {
   for (std::size_t s = 0; s < 3; ++s) expect_pose(result.calibration.sensors[s], rig[s], 1e-4, 0.01);
 }
 
+// Depth images flipped from left to right: x of all that the sensor sees has the other sign.
+TEST(CalibrateViews, FlippedDepthImagesAreNamed) {
+  const ScratchFolder folder;
+  write_wand_export(folder / "wand.csv", true);
+  CalibrateWandOptions tied;
+  tied.world = WandInWorld{folder / "wand.csv", "Wand", kStart_ns};
+  const auto complaint = [&](std::size_t sensors, const std::vector<std::size_t>& flipped,
+                             const CalibrateWandOptions& options = {}) {
+    WandObservations views = views_of(rig_of(sensors), kPlaces, always);
+    for (WandPosition& position : views.positions)
+      for (const std::size_t s : flipped) position.seen[s].centre_in_sensor_m.x() *= -1.0;
+    return complaint_about(std::move(views), options);
+  };
+  const std::string remedy =
+      " shows the ball's places mirrored: its depth images are flipped from left to right; turn every row of "
+      "them "
+      "round";
+  EXPECT_EQ(complaint(4, {2}), "session.h5: sensor \"k3\"" + remedy);
+  EXPECT_EQ(complaint(3, {0}), "session.h5: sensor \"k1\"" + remedy);
+  EXPECT_EQ(complaint(2, {1}), "session.h5: one of the sensors \"k1\" and \"k2\"" + remedy);
+  EXPECT_EQ(complaint(2, {1}, tied), "session.h5: sensor \"k2\"" + remedy);
+  EXPECT_THAT(
+      complaint(3, {0, 2}, tied),
+      StartsWith("session.h5: sensors \"k1\" and \"k3\" show the ball's places mirrored: their depth"));
+  EXPECT_THAT(complaint(3, {0, 1, 2}, tied),
+              AllOf(HasSubstr("wand.csv: shows the ball's places as the mirror image"),
+                    HasSubstr("left-handed axes, or all depth images are flipped")));
+  EXPECT_EQ(complaint(3, {}, tied), "no error");
+}
+
 // The wand's own frame is turned and shifted into the export's by two positions, too.
 TEST(CalibrateWandVerb, PosesFromTwoPositionsAreTiedToTheExport) {
   const ScratchFolder folder;

@@ -29,6 +29,7 @@ enum class Change {
   small_scale,
   point_unit,
   later_unit,
+  axis_unit,
   start,
   far_start,
   rate,
@@ -56,6 +57,7 @@ inline constexpr std::array kChangeKinds{ChangeKind{"none", 0},
                                          ChangeKind{"small scale", 0},
                                          ChangeKind{"unit of a point", kPointSizeCause},
                                          ChangeKind{"unit from a time on", kLaterSizeCause},
+                                         ChangeKind{"unit of an axis", kAxisSizeCause},
                                          ChangeKind{"start", kStartCause},
                                          ChangeKind{"start without overlap", kStartCause},
                                          ChangeKind{"rate", kRateCause},
@@ -145,6 +147,7 @@ class ChangedStreamMaker {
     if (has(Change::small_scale)) factor = 1.05;
     const std::size_t wrist = 7,
                       from = static_cast<std::size_t>((0.35 + 0.3 * uniform()) * duration_s_ * rate_hz);
+    const int axis = static_cast<int>(from % 3);
     std::vector<std::size_t> order(points);
     for (std::size_t j = 0; j < points; ++j) order[j] = j;
     const auto exchange = [&](std::size_t first, std::size_t end) {
@@ -173,6 +176,7 @@ class ChangedStreamMaker {
         Eigen::Vector3d p = factor * (rotation * (at_m[order[j]] - root_m) + shift_m);
         if (has(Change::point_unit) && j == wrist) p *= 0.1;
         if (has(Change::later_unit) && i >= from) p *= 0.1;
+        if (has(Change::axis_unit)) p[axis] *= 100.0;
         if (has(Change::flat)) p.z() = 0.0;
         streams.subject.at_m.push_back(p);
       }

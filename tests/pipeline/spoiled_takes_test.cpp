@@ -173,6 +173,22 @@ void reorder_joints(Recorded& recorded) {
                  }});
 }
 
+void exchange_neck_and_head(Recorded& recorded) {
+  change_session(recorded.take(), recorded.folder / "spoiled.h5", {[](std::size_t, BodyFrame& frame) {
+                   for (Body& body : frame.bodies)
+                     std::swap(body.position_m[static_cast<std::size_t>(Joint::neck)],
+                               body.position_m[static_cast<std::size_t>(Joint::head)]);
+                   return true;
+                 }});
+}
+
+void set_the_clock_of_arrivals(Recorded& recorded) {
+  change_session(recorded.take(), recorded.folder / "spoiled.h5", {[](std::size_t sensor, BodyFrame& frame) {
+                   if (sensor == 1 && frame.stamp.sequence > 150) frame.stamp.arrival_ns += 4'000'000'000;
+                   return true;
+                 }});
+}
+
 void keep_every_fourth_frame(Recorded& recorded) {
   change_session(recorded.take(), recorded.folder / "spoiled.h5",
                  {[](std::size_t, BodyFrame& frame) { return frame.stamp.sequence % 4 == 0; }});
@@ -231,7 +247,7 @@ std::vector<Spoiled> all_spoiled() {
   };
   return {
       {"sound", [](Recorded&) {}, {}},
-      {"feet", scaled(3.28084), {"mocap.csv", "3.28 times as large as the sensors", "as feet", "unit"}},
+      {"feet", scaled(3.28084), {"mocap.csv", "3.28084 times as large as the sensors", "as feet", "unit"}},
       {"wrist_in_feet", scaled(3.28084, "wrist_left"), {"mocap.csv", "moves wrist_left 3.", "unit"}},
       {"wrists_exchanged",
        exchanged(Joint::wrist_left, Joint::wrist_right),
@@ -251,6 +267,12 @@ std::vector<Spoiled> all_spoiled() {
       {"reordered_joints",
        reorder_joints,
        {"k1: ", "bones are longer than those of a person", "in the order of a Kinect v2?"}},
+      {"neck_and_head",
+       exchange_neck_and_head,
+       {"k1, k2, k3, k4: neck lies farther from spine_shoulder than head does: are the two exchanged?"}},
+      {"clock_of_arrivals",
+       set_the_clock_of_arrivals,
+       {"k2: arrivals jump by 4.0", "while its ticks go on", "take 4.0", " s from the arrivals"}},
       {"slow_frames",
        keep_every_fourth_frame,
        {"k1, k2: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},

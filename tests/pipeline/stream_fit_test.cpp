@@ -177,6 +177,28 @@ TEST(StreamFit, SaysOfASizeWhatItIsAndWhatIsLeft) {
   EXPECT_NE(text.find("alignment \"rigid\""), std::string::npos) << text;
 }
 
+// Depth in millimetres beside metres, and the other way round: the numbers say which axes to divide, and by
+// what.
+TEST(StreamFit, SaysWhichAxesAreInAnotherUnit) {
+  const auto note_of = [](const std::string& activity, std::uint64_t seed, const Eigen::Vector3d& factors) {
+    ChangedStreams streams = ChangedStreamMaker(activity, seed, 20.0).with({});
+    for (Eigen::Vector3d& at_m : streams.subject.at_m) at_m = at_m.cwiseProduct(factors);
+    return stream_note(fit_of(streams), {.names = streams.names});
+  };
+  for (const std::string activity : {"walking", "arm_swing", "leg_crossing", "squat"}) {
+    const std::string text = note_of(activity, 4, {1.0, 1.0, 1000.0});
+    EXPECT_TRUE(text.starts_with(
+        "has z 1000 times as large as the truth, as millimetres taken for metres: put right"))
+        << activity << ": " << text;
+    EXPECT_TRUE(text.ends_with("Divide its z by 1000")) << text;
+  }
+  EXPECT_TRUE(note_of("walking", 5, {0.01, 1.0, 1.0}).starts_with("has x 0.01 times as large as the truth"));
+  EXPECT_TRUE(note_of("walking", 6, {1.0, 39.3701, 1.0}).ends_with("Divide its y by 39.3701"));
+  EXPECT_TRUE(
+      note_of("walking", 7, {1000.0, 1000.0, 1.0}).ends_with("Divide its x by 1000; divide its y by 1000"))
+      << note_of("walking", 7, {1000.0, 1000.0, 1.0});
+}
+
 // Somebody who walks in a circle looks like themselves a step later and turned: about the least shift that is
 // named, a shift must not be explained by such a start and turn.
 TEST(StreamFit, AShiftAboutTheLeastThatIsNamedIsAShiftOrNothing) {

@@ -140,7 +140,7 @@ class Compare(Compared):
             "start": ((as_it_is, t - 40, "starts 40.00 s earlier than the truth: as it is they have no time in common"),
                       (as_it_is, t + 2, "starts 2.00 s later than the truth.*Take 2.000 s from its times")),
             "size": ((lambda at, key: at * 0.8, t, "is 0.8 times as large as the truth: .*Divide its numbers by 0.8"),
-                     (lambda at, key: at * 39.3701, t, "is 39.4 times as large as the truth, as inches taken for metres"),
+                     (lambda at, key: at * 39.3701, t, "is 39.3701 times as large as the truth, as inches taken for metres"),
                      (lambda at, key: at * (0.001 if key == "ankle_left" else 1), t, "has ankle_left 0.001 times as far away as it is"),
                      (lambda at, key: at * np.where(half, 0.1, 1), t, "is 0.1 times as large from 3.99 s on"),
                      (lambda at, key: at * np.where(half, 1, 0.01), t, "is 0.01 times as large until 3.99 s, as metres taken for centimetres")),

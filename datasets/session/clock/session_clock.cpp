@@ -264,6 +264,25 @@ HostTime SensorClockMap::operator()(SensorTime t) const {
          latency;
 }
 
+std::optional<std::string> arrival_jump_text(const SensorClockMap& clock) {
+  constexpr Duration kMaxTickStep{1'000'000'000};
+  for (std::size_t k = 1; k < clock.epochs.size(); ++k) {
+    const SensorEpoch &before = clock.epochs[k - 1], &after = clock.epochs[k];
+    const Duration step = after.first - before.last;
+    if (step <= Duration{} || step > kMaxTickStep) continue;
+    const double jump_s = (after.line(after.first) - before.line(after.first)).seconds() /
+                          (1.0 + clock.agent.line.drift);  // on the clock of the arrivals
+    return fmt::format(
+        "arrivals jump by {:.2f} s, {:.1f} s after its first frame, while its ticks go on: the clock that "
+        "stamps them was set. Times before and after do not belong together; {} {:.3f} s {} the arrivals "
+        "from "
+        "there on",
+        jump_s, (after.first - clock.epochs.front().first).seconds(), jump_s > 0.0 ? "take" : "add",
+        std::abs(jump_s), jump_s > 0.0 ? "from" : "to");
+  }
+  return std::nullopt;
+}
+
 SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp& each_stamp,
                                 std::span<const ClockExchange> exchanges, const std::string& place) {
   SensorClockMap map;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ struct SensorClockMap {
   // By the epoch that holds `t`, or lies nearest: enough where the sensor was never restarted.
   HostTime operator()(SensorTime t) const;
 };
+
+// "arrivals jump by 5.00 s ..., while its ticks go on: ...", where the clock that stamps arrivals was set
+// during the recording; the sensor itself was not restarted.
+std::optional<std::string> arrival_jump_text(const SensorClockMap& clock);
 
 // Calls `take` for every frame in the order of the recording.
 using EachStamp = std::function<void(const std::function<void(const FrameStamp&)>& take)>;

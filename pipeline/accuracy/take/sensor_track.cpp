@@ -11,12 +11,10 @@ namespace {
 
 constexpr std::uint64_t kBlockRows = 512;
 
-ObservedBody observed(const Body& body, JointCounts& out_of_reach) {
+ObservedBody observed(const Body& body) {
   ObservedBody result;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const JointReading reading = reading_of(body, j);
-    if (reading == JointReading::out_of_reach) ++out_of_reach[j];
-    if (reading != JointReading::seen) continue;
+    if (reading_of(body, j) != JointReading::seen) continue;
     result.joint_in_sensor_m[j] = Eigen::Map<const Eigen::Vector3f>(body.position_m[j].data());
     result.state[j] = static_cast<TrackingState>(body.tracking_state[j]);
   }
@@ -104,8 +102,8 @@ SensorBodies read_sensor_bodies(const SessionReader& session, std::size_t sensor
           identities.of(row.bodies, (frame.time - HostTime{0}).seconds());
       for (std::size_t b = 0; b < row.bodies.size(); ++b) {
         repeated.add(row.bodies[b], result.bodies.size());
-        result.bones.add(row.bodies[b]);
-        result.bodies.push_back({identity[b], observed(row.bodies[b], result.out_of_reach)});
+        result.joints.add(row.bodies[b]);
+        result.bodies.push_back({identity[b], observed(row.bodies[b])});
       }
       end_of_frame.push_back(result.bodies.size());
       frames.push_back(frame);

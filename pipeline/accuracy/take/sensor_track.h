@@ -34,8 +34,7 @@ struct SensorBodies {
 
   std::vector<SensorFrame> frames;
   std::vector<IdentifiedBody> bodies;  // of all frames, in one piece: an hour has a hundred thousand
-  JointCounts out_of_reach{};          // joints that were not used
-  BoneLengths bones;
+  JointFaults joints;
   std::uint64_t jumps = 0;      // bodies that became others under one tracking id
   std::uint64_t stale = 0;      // bodies that were left out because the sensor gave them again
   std::uint64_t not_later = 0;  // frames that were left out because their time does not rise

@@ -91,8 +91,8 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
       same->first += ", " + plan.rig[s];
   };
   for (std::size_t s = 0; s < seen.size(); ++s) {
-    if (const auto text = out_of_reach_text(seen[s].out_of_reach)) note(s, *text);
-    if (const auto text = seen[s].bones.too_long_text()) note(s, *text);
+    for (const std::string& text : seen[s].joints.texts()) note(s, text);
+    if (const auto text = arrival_jump_text(planned.host_from_sensor[s])) note(s, *text);
     if (seen[s].jumps > 0)
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
                           "id; from there it counts as another body, and the person is chosen again",
@@ -134,7 +134,9 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
   if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, planned, seen, person ? &*person : nullptr, data.time);
   if (!checks) checks = check_sensors(plan, planned, data.bodies);
-  data.explained_by_sensor_check = !checks->notes.empty();
+  data.joints_in_other_order =
+      std::ranges::any_of(seen, [](const SensorBodies& s) { return s.joints.in_other_order(); });
+  data.explained_by_sensor_check = !checks->notes.empty() || data.joints_in_other_order;
   data.rig_changed = checks->rig_changed;
   data.odd_sensors = checks->odd_sensors;
   append(std::move(*checks), data);
@@ -319,7 +321,8 @@ PreparedTake view_take(const Plan& plan, const PlannedTake& planned, PersonTake 
   repair(plan, planned, left_out, data);
   if (truth) {
     const bool is_late = check_clock(plan, planned, truth->dense, stop_requested, data);
-    if (!data.rig_changed && !is_late) append(check_truth(plan, planned, data), data);
+    if (!data.rig_changed && !data.joints_in_other_order && !is_late)
+      append(check_truth(plan, planned, data), data);
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   if (left_out) leave_out(plan, planned, *left_out, data);

@@ -147,7 +147,7 @@ class TruthChecker {
               ? fmt::format("moves {} {:.2f} times as far as the sensors see it move{}", names_[*size.point],
                             size.factor, unit_text(size))
               : fmt::format(
-                    "shows movements and a body {:.3g} times as large as the sensors do{}{}", size.factor,
+                    "shows movements and a body {} times as large as the sensors do{}{}", factor_text(size),
                     size.at_s ? fmt::format(" {} {:.2f} s", size.until ? "until" : "from", *size.at_s) : "",
                     unit_text(size)));
       remedies.push_back(size.point ? "is the unit of its asset right?" : "is the export's unit right?");

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// What a sensor's joints show of the file they came from: units, holes and the order of joints.
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/session/body_readings.h"
+#include "tests/datasets/made_session.h"
+
+namespace trilat {
+namespace {
+
+using testing::HasSubstr;
+using Change = std::function<void(Body&)>;
+
+JointFaults faults_of(const Change& change, int bodies = 40) {
+  JointFaults faults;
+  for (int i = 0; i < bodies; ++i) {
+    Body body = standing_body();
+    change(body);
+    faults.add(body);
+  }
+  return faults;
+}
+
+std::string text_of(const Change& change, int bodies = 40) {
+  return fmt::format("{}", fmt::join(faults_of(change, bodies).texts(), "\n"));
+}
+
+void exchange(Body& body, Joint a, Joint b) {
+  std::swap(body.position_m[static_cast<std::size_t>(a)], body.position_m[static_cast<std::size_t>(b)]);
+}
+
+Change exchanged(const std::vector<std::pair<Joint, Joint>>& pairs) {
+  return [=](Body& body) {
+    for (const auto& [a, b] : pairs) exchange(body, a, b);
+  };
+}
+
+Change scaled(float by) {
+  return [=](Body& body) {
+    for (auto& at : body.position_m)
+      for (float& axis : at) axis *= by;
+  };
+}
+
+void reverse(Body& body) { std::ranges::reverse(body.position_m); }
+
+TEST(JointFaults, ASoundPersonOfAnySizeHasNone) {
+  EXPECT_EQ(text_of([](Body&) {}), "");
+  for (const float size : {0.5F, 0.9F, 1.0F, 1.15F})
+    EXPECT_EQ(text_of([=](Body& body) {
+                for (auto& at : body.position_m) at = {at[0] * size, at[1] * size, at[2]};
+              }),
+              "");
+  EXPECT_EQ(text_of([](Body& body) {  // two joints that the sensor does not see, put anywhere
+              body.position_m[6] = {3, 0, 2.5F};
+              body.position_m[15] = {3, 0, 2.5F};
+            }),
+            "");
+  EXPECT_EQ(text_of([](Body& body) { body.position_m.fill({}), body.tracking_state.fill(0); }), "");
+}
+
+TEST(JointFaults, PositionsInAnotherUnitAreNamedByIt) {
+  EXPECT_EQ(text_of(scaled(1000.0F)),
+            "1000 of 1000 joints lie farther than 10 m of the sensor and count as not seen; taken as "
+            "millimetres they are within its reach: write positions in metres");
+  EXPECT_THAT(text_of(scaled(100.0F)), HasSubstr("; taken as centimetres they are within its reach"));
+  // Nine in ten are enough, and no fewer: a tenth may be holes.
+  const auto with_holes = [](std::size_t holes) {
+    return [=](Body& body) {
+      scaled(1000.0F)(body);
+      for (std::size_t j = 0; j < holes; ++j) body.position_m[j] = {};
+    };
+  };
+  EXPECT_THAT(text_of(with_holes(2)), HasSubstr("millimetres"));
+  EXPECT_THAT(text_of(with_holes(3)), testing::Not(HasSubstr("millimetres")));
+}
+
+TEST(JointFaults, JointsAtTheSensorAreNamedAsHoles) {
+  const auto at = [](std::array<float, 3> hand, std::array<float, 3> foot) {
+    return [=](Body& body) {
+      body.position_m[7] = hand;
+      body.position_m[15] = foot;
+    };
+  };
+  EXPECT_EQ(
+      text_of(at({}, {}), 5),
+      "10 joints lie nearer than 0.4 m or farther than 10 m of the sensor (hand_left 5, foot_left 5) and "
+      "count as not seen; all of them at (0, 0, 0), as is written for joints without a position");
+  EXPECT_THAT(text_of(at({}, {0, 0, 10.1F}), 5), HasSubstr("; 5 of them at (0, 0, 0), as is written"));
+  EXPECT_THAT(text_of(at({0, 0, 0.39F}, {0, 0, 10.1F}), 5), testing::EndsWith("and count as not seen"));
+  EXPECT_EQ(text_of(at({0, 0, 0.41F}, {0, 0, 9.9F}), 5), "");
+}
+
+TEST(JointFaults, JointsInAnotherOrderAreNamedByTheirBones) {
+  using enum Joint;
+  const Change inserted = [](Body& body) {  // spine_shoulder after spine_mid, from the hips upwards
+    const auto first = body.position_m.begin();
+    std::rotate(first + 2, first + 20, first + 21);
+  };
+  const Change shifted = [](Body& body) {
+    std::rotate(body.position_m.begin(), body.position_m.begin() + 1, body.position_m.end());
+  };
+  const Change hands_at_knees = exchanged({{wrist_left, knee_left}, {wrist_right, knee_right}});
+  for (const Change& change : {exchanged({{shoulder_left, hip_left}, {shoulder_right, hip_right}}),
+                               hands_at_knees, inserted, shifted, Change(reverse)}) {
+    EXPECT_THAT(text_of(change), testing::EndsWith("are the joints in the order of a Kinect v2?"));
+    EXPECT_TRUE(faults_of(change).in_other_order());
+  }
+  EXPECT_THAT(
+      text_of(hands_at_knees),
+      HasSubstr("10 of 24 bones are longer than those of a person (elbow_left to wrist_left 0.97 m, at "
+                "most 0.45; "));
+  EXPECT_EQ(text_of(reverse, 29), "");
+  EXPECT_NE(text_of(reverse, 30), "");
+  EXPECT_EQ(text_of([](Body& body) { reverse(body), body.tracking_state.fill(0); }), "");
+}
+
+// Six bones that are too long are a fault; up to four are a hidden limb.
+TEST(JointFaults, ALimbThatIsTooLongIsNoOtherOrder) {
+  const auto longer = [](std::size_t joints) {
+    return [=](Body& body) {  // hands and feet, each at the end of a bone of its own
+      constexpr std::array<std::size_t, 6> kEnds{7, 11, 15, 19, 22, 24};
+      for (std::size_t k = 0; k < joints; ++k)
+        body.position_m[kEnds[k]][2] = 3.5F + 0.1F * static_cast<float>(k);
+    };
+  };
+  EXPECT_EQ(text_of(longer(2)), "");
+  EXPECT_NE(text_of(longer(6)), "");
+}
+
+TEST(JointFaults, ExchangedJointsOfTheSpineAreNamed) {
+  using enum Joint;
+  EXPECT_EQ(text_of(exchanged({{neck, head}})),
+            "neck lies farther from spine_shoulder than head does: are the two exchanged?");
+  EXPECT_THAT(text_of(exchanged({{spine_shoulder, neck}})),
+              HasSubstr("spine_shoulder lies farther from spine_mid than neck does"));
+  EXPECT_THAT(text_of(exchanged({{spine_mid, spine_shoulder}})),
+              HasSubstr("spine_mid lies farther from spine_base than spine_shoulder does"));
+  EXPECT_TRUE(faults_of(exchanged({{neck, head}})).in_other_order());
+  EXPECT_EQ(text_of(exchanged({{neck, head}}), 29), "");
+  EXPECT_NE(text_of(exchanged({{neck, head}}), 30), "");
+}
+
+// A tracker that is wrong in a part of the frames has its joints in order.
+TEST(JointFaults, ASpineThatIsSometimesExchangedIsNotNamed) {
+  const auto of_every = [](int sound) {
+    JointFaults faults;
+    for (int i = 0; i < 100; ++i) {
+      Body body = standing_body();
+      if (i >= sound) exchange(body, Joint::neck, Joint::head);
+      faults.add(body);
+    }
+    return faults.in_other_order();
+  };
+  EXPECT_FALSE(of_every(11));
+  EXPECT_TRUE(of_every(10));
+}
+
+}  // namespace
+}  // namespace trilat
