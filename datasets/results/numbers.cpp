@@ -136,7 +136,7 @@ std::size_t Numbers::Hash::operator()(const NumberKey& key) const {
 }
 
 void Numbers::add(Number number) {
-  if (std::isnan(number.value)) return;
+  if (!std::isfinite(number.value)) return;
   const bool is_new = places_.try_emplace(number, numbers_.size()).second;
   TRILAT_CHECK(is_new, "every number has a key of its own");
   numbers_.push_back(std::move(number));

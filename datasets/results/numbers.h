@@ -44,7 +44,8 @@ inline constexpr std::array kAxisNames{"x", "y", "z"};
 // All numbers of a study, each key once.
 class Numbers {
  public:
-  // Numbers that are NaN are left out. A key that is there already is our bug.
+  // Numbers that are not finite, as ratios to an error of 0, are left out. A key that is there already is our
+  // bug.
   void add(Number number);
   void add(const Numbers& more);
   // The number of that key, or null.

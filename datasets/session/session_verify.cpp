@@ -300,35 +300,6 @@ std::string_view name_of(Severity severity) {
   return severity == Severity::note ? "note" : severity == Severity::warning ? "warning" : "error";
 }
 
-std::optional<std::string> odd_ticks_text(const SessionReader& session, std::size_t sensor) {
-  constexpr std::uint64_t kMaxLooked = 1024;
-  constexpr double kMinRate_hz = 1.0, kMaxRate_hz = 300.0;
-  const SensorCounts& counts = session.counts(sensor);
-  const FrameStream stream = counts.body_frames > 0 ? FrameStream::bodies : FrameStream::depth;
-  const std::uint64_t frames = counts.body_frames > 0 ? counts.body_frames : counts.depth_frames;
-  if (frames < 3) return std::nullopt;
-  std::vector<std::int64_t> steps;
-  const std::vector<FrameStamp> stamps = session.stamps(sensor, stream, 0, std::min(frames, kMaxLooked));
-  for (std::size_t i = 1; i < stamps.size(); ++i)
-    if (stamps[i].device_ticks > stamps[i - 1].device_ticks)
-      steps.push_back(stamps[i].device_ticks - stamps[i - 1].device_ticks);
-  if (steps.empty()) return std::nullopt;
-  const auto step = static_cast<double>(upper_median(steps));
-  const std::int64_t tick_ns = session.header().sensors[sensor].tick_ns;
-  const auto rate_hz = [&](std::int64_t of_ns) { return 1e9 / (step * static_cast<double>(of_ns)); };
-  const auto is_kinect = [&](std::int64_t of_ns) {
-    return rate_hz(of_ns) >= kMinRate_hz && rate_hz(of_ns) <= kMaxRate_hz;
-  };
-  if (is_kinect(tick_ns)) return std::nullopt;
-  std::string remedy;
-  for (const std::int64_t of_ns : {100, 1, 1'000, 1'000'000})
-    if (is_kinect(of_ns) && remedy.empty())
-      remedy = fmt::format("; with ticks of {} ns it has {:.4g}: write the session again with that tick_ns",
-                           of_ns, rate_hz(of_ns));
-  return fmt::format("has {:.6g} frames a second by device ticks of {} ns, where a Kinect makes 30{}",
-                     rate_hz(tick_ns), tick_ns, remedy);
-}
-
 bool has_no_bodies(const SessionReader& session) {
   for (std::size_t s = 0; s < session.header().sensors.size(); ++s)
     if (session.counts(s).bodies > 0 || session.counts(s).body_frames == 0) return false;
@@ -389,10 +360,6 @@ void verify_sensor(const SessionReader& session, std::size_t s, const VerifyOpti
   check([&] {
     verify_stamps(session, s, FrameStream::bodies, counts.body_frames, options.gap_periods, place,
                   "/body_frames");
-  });
-  check([&] {
-    if (const auto text = odd_ticks_text(session, s))
-      place.say(Severity::error, "/body_frames", *text, kTimes);
   });
   if (const auto text = doubt_about(session.header().sensors[s].intrinsics))
     place.say(Severity::warning, "", *text, kDepthUses);

@@ -32,10 +32,6 @@ struct VerifyOptions {
 std::vector<Finding> verify_session(const SessionReader& session, const VerifyOptions& options,
                                     const std::function<void(double)>& progress = {});
 
-// Problem of a sensor's length of ticks: its frames come less than once or more than 300 times a
-// second. Empty for fewer than three frames.
-std::optional<std::string> odd_ticks_text(const SessionReader& session, std::size_t sensor);
-
 // Every sensor has frames of bodies, and none of them holds a body.
 bool has_no_bodies(const SessionReader& session);
 

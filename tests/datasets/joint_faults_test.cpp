@@ -16,9 +16,9 @@ namespace trilat {
 namespace {
 
 using testing::HasSubstr;
-using Change = std::function<void(Body&)>;
+using BodyChange = std::function<void(Body&)>;
 
-JointFaults faults_of(const Change& change, int bodies = 40) {
+JointFaults faults_of(const BodyChange& change, int bodies = 40) {
   JointFaults faults;
   for (int i = 0; i < bodies; ++i) {
     Body body = standing_body();
@@ -28,7 +28,7 @@ JointFaults faults_of(const Change& change, int bodies = 40) {
   return faults;
 }
 
-std::string text_of(const Change& change, int bodies = 40) {
+std::string text_of(const BodyChange& change, int bodies = 40) {
   return fmt::format("{}", fmt::join(faults_of(change, bodies).texts(), "\n"));
 }
 
@@ -36,13 +36,13 @@ void exchange(Body& body, Joint a, Joint b) {
   std::swap(body.position_m[static_cast<std::size_t>(a)], body.position_m[static_cast<std::size_t>(b)]);
 }
 
-Change exchanged(const std::vector<std::pair<Joint, Joint>>& pairs) {
+BodyChange exchanged(const std::vector<std::pair<Joint, Joint>>& pairs) {
   return [=](Body& body) {
     for (const auto& [a, b] : pairs) exchange(body, a, b);
   };
 }
 
-Change scaled(float by) {
+BodyChange scaled(float by) {
   return [=](Body& body) {
     for (auto& at : body.position_m)
       for (float& axis : at) axis *= by;
@@ -100,16 +100,16 @@ TEST(JointFaults, JointsAtTheSensorAreNamedAsHoles) {
 
 TEST(JointFaults, JointsInAnotherOrderAreNamedByTheirBones) {
   using enum Joint;
-  const Change inserted = [](Body& body) {  // spine_shoulder after spine_mid, from the hips upwards
+  const BodyChange inserted = [](Body& body) {  // spine_shoulder after spine_mid, from the hips upwards
     const auto first = body.position_m.begin();
     std::rotate(first + 2, first + 20, first + 21);
   };
-  const Change shifted = [](Body& body) {
+  const BodyChange shifted = [](Body& body) {
     std::rotate(body.position_m.begin(), body.position_m.begin() + 1, body.position_m.end());
   };
-  const Change hands_at_knees = exchanged({{wrist_left, knee_left}, {wrist_right, knee_right}});
-  for (const Change& change : {exchanged({{shoulder_left, hip_left}, {shoulder_right, hip_right}}),
-                               hands_at_knees, inserted, shifted, Change(reverse)}) {
+  const BodyChange hands_at_knees = exchanged({{wrist_left, knee_left}, {wrist_right, knee_right}});
+  for (const BodyChange& change : {exchanged({{shoulder_left, hip_left}, {shoulder_right, hip_right}}),
+                                   hands_at_knees, inserted, shifted, BodyChange(reverse)}) {
     EXPECT_THAT(text_of(change), testing::EndsWith("are the joints in the order of a Kinect v2?"));
     EXPECT_TRUE(faults_of(change).in_other_order());
   }

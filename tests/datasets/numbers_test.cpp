@@ -76,6 +76,20 @@ TEST(Numbers, WithoutAValueAreLeftOut) {
   EXPECT_EQ(numbers.n(kHead), 0u);
 }
 
+// One sample alone has no error relative to its mean, and what is compared with that has no ratio.
+TEST(Numbers, ThatAreNotFiniteAreLeftOutAndReadBack) {
+  const ScratchFolder folder;
+  Numbers numbers;
+  numbers.add({kHead.with({.measure = "distance", .statistic = "relative_difference"}), HUGE_VAL});
+  numbers.add({kHead.with({.measure = "distance", .statistic = "ratio"}), -HUGE_VAL});
+  numbers.add({kHead.with({.measure = "distance", .statistic = "mean"}), 0.1, -HUGE_VAL, HUGE_VAL});
+  ASSERT_EQ(numbers.all().size(), 1u);
+  write_numbers(folder.path(), numbers);
+  const Numbers after = read_numbers(folder.path(), 1);
+  EXPECT_EQ(after.all()[0].value, 0.1);
+  EXPECT_TRUE(std::isnan(after.all()[0].low) && std::isnan(after.all()[0].high));
+}
+
 TEST(Numbers, EveryPartOfAKeyTellsTwoApart) {
   Numbers numbers;
   NumberKey key;

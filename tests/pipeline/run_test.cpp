@@ -251,6 +251,28 @@ TEST(RunWithABrokenTake, ASessionBehindTheEndOfTheExportNamesBothIntervals) {
   EXPECT_THAT(failure, HasSubstr("the export from 0 s to 1.000 s"));
 }
 
+// A start of the export in another unit than nanoseconds is tried before it is named.
+TEST(RunWithABrokenTake, AStartInAnotherUnitIsNamedWithTheNumberToWrite) {
+  const auto failure_at = [](std::int64_t divide_by, std::int64_t later_ns = 0) {
+    Spoilt spoilt;
+    spoilt.take.mocap_start_host_ns = (spoilt.take.mocap_start_host_ns + later_ns) / divide_by;
+    return spoilt.failure();
+  };
+  EXPECT_THAT(failure_at(1'000),
+              testing::ContainsRegex("session's time if [0-9]+ were microseconds: write [0-9]+000$"));
+  EXPECT_THAT(failure_at(1'000'000),
+              testing::ContainsRegex("session's time if [0-9]+ were milliseconds: write [0-9]+000000$"));
+  EXPECT_THAT(
+      failure_at(1'000'000'000, 500'000'000),
+      testing::ContainsRegex("session's time if (999|1000) were seconds: write (999|1000)000000000$"));
+  for (const std::int64_t later_ns : {100'000'000'000, -100'000'000'000})
+    EXPECT_THAT(
+        failure_at(1, later_ns),
+        testing::ContainsRegex("the recording's clock ran from [0-9]+ to [0-9]+ ns: what did it show at the "
+                               "export's first frame"));
+  EXPECT_THAT(failure_at(1'000, 100'000'000'000), testing::Not(HasSubstr("were microseconds")));
+}
+
 // The rig is not what a broken first take happens to have.
 TEST(RunWithABrokenTake, AFirstTakeOfOneSensorFailsAlone) {
   Spoilt spoilt;

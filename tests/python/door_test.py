@@ -195,20 +195,29 @@ class Door(Opened):
         self.assertEqual(state[0].tolist(), [0, 2, 2, 0, 0] + [2] * 20)
         self.assertEqual((state[1].tolist(), beyond), ([0] * 25, 3))
 
-    def test_ticks_of_another_length_than_stated_are_an_error_of_verify_and_run(self):
-        for tick_ns, words in ((1_000_000, "0.003 frames a second by device ticks of 1000000 ns.*; with ticks of 100 ns it has 30"),
-                               (1, "3000.* frames a second by device ticks of 1 ns")):
-            camp = self.folder / f"ticks{tick_ns}"
+    def test_ticks_and_arrivals_in_another_unit_are_an_error_of_verify_and_run(self):
+        def changed(tick_ns=100, divide_arrivals=1):
+            camp = self.folder / f"ticks{tick_ns}-{divide_arrivals}"
             shutil.copytree(self.folder / "camp", camp)
             with h5py.File(camp / "p01-walking/session.h5", "r+") as file:
                 file["sensors/k2"].attrs["tick_ns"] = np.int64(tick_ns)
+                arrivals = file["sensors/k2/body_frames/arrival_ns"]
+                arrivals[:] = arrivals[:] // divide_arrivals
+            return camp
+
+        both = "; with ticks of 100 ns both agree: write the session again with that tick_ns"
+        for camp, words in ((changed(1_000_000), r"0.003 frames a second by device ticks of 1000000 ns, and 30.* by their arrivals" + both),
+                            (changed(1000), r"3 frames a second by device ticks of 1000 ns" + ".*" + both),
+                            (changed(1), r"3000.* frames a second by device ticks of 1 ns" + ".*" + both),
+                            (changed(100, 1_000), r"30.* by arrival_ns, and 30.* by device ticks; arrivals in microseconds would agree"),
+                            (changed(100, 1_000_000), r"arrivals in milliseconds would agree: write them in nanoseconds")):
             verified = subprocess.run([program_path(), "verify", camp / "p01-walking/session.h5"], capture_output=True, text=True)
             self.assertEqual(verified.returncode, 1, verified.stderr)
-            self.assertRegex(verified.stdout + verified.stderr, "k2/body_frames.* has " + words)
-            ran = subprocess.run([program_path(), "run", self.folder / "study.json", "--campaign", camp, "-o", self.folder / f"r{tick_ns}"],
+            self.assertRegex(verified.stdout + verified.stderr, "k2: .*" + words)
+            ran = subprocess.run([program_path(), "run", self.folder / "study.json", "--campaign", camp, "-o", camp.with_suffix(".results")],
                                  capture_output=True, text=True)
-            self.assertEqual(ran.returncode, 1)
-            self.assertRegex(re.sub(r"\s+", " ", ran.stdout + ran.stderr), "k2 has " + words)
+            self.assertNotEqual(ran.returncode, 0)
+            self.assertRegex(re.sub(r"\s+", " ", ran.stdout + ran.stderr), "k2: .*" + words)
 
     def test_newer_and_other_files_are_refused(self):
         newer = self.folder / "newer"

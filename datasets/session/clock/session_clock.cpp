@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/median.h"
 
 namespace trilat {
 namespace {
@@ -234,6 +235,65 @@ StampEvidence fit_report(const SensorClockMap& map, const std::vector<FrameStamp
   return evidence;
 }
 
+// The frames by whose stamps a sensor's clock is known: bodies, else depth.
+std::pair<FrameStream, std::uint64_t> stamped_frames(const SessionReader& session, std::size_t sensor) {
+  const SensorCounts& counts = session.counts(sensor);
+  if (counts.body_frames > 0) return {FrameStream::bodies, counts.body_frames};
+  return {FrameStream::depth, counts.depth_frames};
+}
+
+constexpr double kMinRate_hz = 1.0, kMaxRate_hz = 300.0;
+bool is_kinect_rate(double rate_hz) { return rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz; }
+
+// Frames a second by ticks, if one lasted 1 ns, and by arrivals; 0 where neither rises.
+struct FrameRates {
+  double by_ticks_hz = 0.0, by_arrivals_hz = 0.0;
+};
+
+FrameRates frame_rates(const std::vector<FrameStamp>& stamps) {
+  const auto rate_hz = [&](std::int64_t FrameStamp::*clock) {
+    std::vector<std::int64_t> steps;
+    for (std::size_t i = 1; i < stamps.size(); ++i)
+      if (const std::int64_t step = stamps[i].*clock - stamps[i - 1].*clock; step > 0) steps.push_back(step);
+    return steps.empty() ? 0.0 : 1e9 / static_cast<double>(upper_median(steps));
+  };
+  return {rate_hz(&FrameStamp::device_ticks), rate_hz(&FrameStamp::arrival_ns)};
+}
+
+// Problem of the units of a sensor's ticks or arrivals: they give other rates of frames, which another unit
+// explains, or frames come less than once or more than 300 times a second. Nothing for fewer than three
+// frames.
+std::optional<std::string> odd_rates_text(const SessionReader& session, std::size_t sensor) {
+  constexpr std::uint64_t kMaxLooked = 1024;
+  constexpr double kAgree = 0.25;  // of ticks and arrivals, which jitter
+  const auto [stream, frames] = stamped_frames(session, sensor);
+  if (frames < 3) return std::nullopt;
+  const FrameRates rates = frame_rates(session.stamps(sensor, stream, 0, std::min(frames, kMaxLooked)));
+  const std::int64_t tick_ns = session.header().sensors[sensor].tick_ns;
+  const double by_ticks_hz = rates.by_ticks_hz / static_cast<double>(tick_ns);
+  if (rates.by_ticks_hz == 0.0) return std::nullopt;
+  const auto agrees = [&](double rate_hz) { return std::abs(rate_hz / rates.by_arrivals_hz - 1.0) < kAgree; };
+  if (is_kinect_rate(rates.by_arrivals_hz)) {
+    if (agrees(by_ticks_hz)) return std::nullopt;
+    for (const std::int64_t of_ns : {100, 1, 1'000, 1'000'000})
+      if (agrees(rates.by_ticks_hz / static_cast<double>(of_ns)))
+        return fmt::format(
+            "has {:.6g} frames a second by device ticks of {} ns, and {:.4g} by their arrivals; with "
+            "ticks of {} ns both agree: write the session again with that tick_ns",
+            by_ticks_hz, tick_ns, rates.by_arrivals_hz, of_ns);
+  } else if (is_kinect_rate(by_ticks_hz)) {
+    for (const auto& [unit, of_ns] : {std::pair{"microseconds", 1e3}, {"milliseconds", 1e6}})
+      if (std::abs(by_ticks_hz * of_ns / rates.by_arrivals_hz - 1.0) < kAgree)
+        return fmt::format(
+            "has {:.6g} frames a second by arrival_ns, and {:.4g} by device ticks; arrivals in {} would "
+            "agree: write them in nanoseconds",
+            rates.by_arrivals_hz, by_ticks_hz, unit);
+  }
+  if (is_kinect_rate(by_ticks_hz)) return std::nullopt;
+  return fmt::format("has {:.6g} frames a second by device ticks of {} ns, where a Kinect makes 30",
+                     by_ticks_hz, tick_ns);
+}
+
 }  // namespace
 
 SensorTime device_time(const SensorDescription& sensor, const FrameStamp& stamp) {
@@ -308,16 +368,15 @@ SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp
 
 SensorClockMap fit_sensor_clock(const SessionReader& session, std::size_t sensor) {
   const SensorDescription& description = session.header().sensors.at(sensor);
-  const SensorCounts& counts = session.counts(sensor);
-  const FrameStream stream = counts.body_frames > 0 ? FrameStream::bodies : FrameStream::depth;
-  const std::uint64_t frames = counts.body_frames > 0 ? counts.body_frames : counts.depth_frames;
+  const std::string place = session.path().string() + ":/sensors/" + description.name;
+  if (const auto text = odd_rates_text(session, sensor)) throw InputError(place, *text);
+  const auto [stream, frames] = stamped_frames(session, sensor);
   const auto each_stamp = [&](const std::function<void(const FrameStamp&)>& take) {
     for (std::uint64_t first = 0; first < frames; first += kBlock)
       for (const FrameStamp& stamp : session.stamps(sensor, stream, first, std::min(kBlock, frames - first)))
         take(stamp);
   };
-  return fit_sensor_clock(description, each_stamp, session.clock_exchanges(sensor),
-                          session.path().string() + ":/sensors/" + description.name);
+  return fit_sensor_clock(description, each_stamp, session.clock_exchanges(sensor), place);
 }
 
 }  // namespace trilat

@@ -62,7 +62,8 @@ using EachStamp = std::function<void(const std::function<void(const FrameStamp&)
 SensorClockMap fit_sensor_clock(const SensorDescription& sensor, const EachStamp& each_stamp,
                                 std::span<const ClockExchange> exchanges, const std::string& place);
 
-// Clock of a recorded sensor, by its body frames, or its depth frames where there are no bodies.
+// Clock of a recorded sensor, by its body frames, or its depth frames where there are no bodies. InputError
+// also where ticks or arrivals are in another unit than stated.
 SensorClockMap fit_sensor_clock(const SessionReader& session, std::size_t sensor);
 
 }  // namespace trilat

@@ -11,7 +11,6 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
-#include "datasets/session/session_verify.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
 #include "pipeline/accuracy/take/hidden_views.h"
@@ -280,9 +279,6 @@ RecordedTake read_take(const Plan& plan, const PlannedTake& planned,
   const SessionReader session(planned.take.session);
   RecordedTake recorded;
   recorded.is_closed = session.complete();
-  for (const std::size_t sensor : planned.session_sensor)
-    if (const auto text = odd_ticks_text(session, sensor))
-      throw InputError(planned.take.session.string(), session.header().sensors[sensor].name + " " + *text);
   if (planned.truth == TakeTruth::mocap)  // before the bodies: markers need room until they are sampled
     recorded.truth = sample_truth(plan, planned, {}, plan.study.clock != ClockSource::stated, stop_requested);
   for (std::size_t s = 0; s < plan.rig.size(); ++s)

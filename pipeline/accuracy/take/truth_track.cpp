@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -73,15 +74,38 @@ std::vector<PointPath> true_paths(const Plan& plan, const PlannedTake& planned, 
   return paths;
 }
 
+// The stated start in another unit, where the export then holds some of the session's time; else what the
+// recording's clock showed.
+std::string start_remedy(const PlannedTake& planned, HostTime last, Duration export_length) {
+  struct Unit {
+    const char* name;
+    std::int64_t ns;
+  };
+  const std::int64_t stated = planned.take.mocap_start_host_ns;
+  for (const Unit& unit :
+       {Unit{"seconds", 1'000'000'000}, {"milliseconds", 1'000'000}, {"microseconds", 1'000}}) {
+    if (std::abs(stated) > std::numeric_limits<std::int64_t>::max() / unit.ns) continue;
+    const HostTime start{stated * unit.ns};
+    if (start < last && planned.start < start + export_length)
+      return fmt::format("; it would hold the session's time if {} were {}: write {}", stated, unit.name,
+                         start.ns);
+  }
+  return fmt::format(
+      "; the recording's clock ran from {} to {} ns: what did it show at the export's first frame?",
+      planned.start.ns, last.ns);
+}
+
 [[noreturn]] void refuse_without_truth(const Plan& plan, const PlannedTake& planned,
                                        const MarkerTrack& truth) {
   const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
+  const Duration length = plan.instant(planned.instants - 1);
   throw InputError(
       planned.take.mocap.string(),
-      fmt::format("holds no ground truth for the time of the session: on the mocap's clock the session runs "
-                  "from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s (mocap_start_host_ns is {})",
-                  start_s, start_s + plan.instant(planned.instants - 1).seconds(),
-                  static_cast<double>(truth.end().ns) * 1e-9, planned.take.mocap_start_host_ns));
+      fmt::format(
+          "holds no ground truth for the time of the session: on the mocap's clock the session runs "
+          "from {:.3f} s to {:.3f} s and the export from 0 s to {:.3f} s (mocap_start_host_ns is {}){}",
+          start_s, start_s + length.seconds(), static_cast<double>(truth.end().ns) * 1e-9,
+          planned.take.mocap_start_host_ns, start_remedy(planned, planned.start + length, {truth.end().ns})));
 }
 
 // Warning of a clock offset that the trackers' lag does not explain; empty when there is none.
