@@ -42,7 +42,11 @@ std::optional<double> moved_m(const Body& from, const Body& to) {
 constexpr std::array kMaxBone_m{HUGE_VAL, 0.42, 0.25, 0.35, 0.28, 0.50, 0.45, 0.25, 0.28,
                                 0.50,     0.45, 0.25, 0.30, 0.65, 0.65, 0.35, 0.30, 0.65,
                                 0.65,     0.35, 0.42, 0.25, 0.25, 0.25, 0.25};
-static_assert(kMaxBone_m.size() == kJointCount);
+// The same of a person of 1.7 m as a Kinect sees them.
+constexpr std::array kUsualBone_m{HUGE_VAL, 0.31, 0.08, 0.15, 0.18, 0.27, 0.24, 0.08, 0.18,
+                                  0.27,     0.24, 0.08, 0.08, 0.40, 0.38, 0.12, 0.08, 0.40,
+                                  0.38,     0.12, 0.23, 0.08, 0.08, 0.08, 0.08};
+static_assert(kMaxBone_m.size() == kJointCount && kUsualBone_m.size() == kJointCount);
 
 constexpr std::uint64_t kMinBodies = 30;  // for what is usual
 
@@ -64,6 +68,14 @@ constexpr std::array kSpine{SpineOrder{Joint::spine_base, Joint::spine_mid, Join
                             SpineOrder{Joint::spine_shoulder, Joint::neck, Joint::head}};
 
 bool is_in_reach(double range_m) { return range_m >= kMinJointDistance_m && range_m <= kMaxJointDistance_m; }
+
+std::string size_text(double size) {
+  constexpr double kFeetPerMetre = 3.28084, kNear = 0.35;
+  return fmt::format("bones are some {:.1g} times as long as those of a person of 1.7 m; {}", size,
+                     std::abs(size / kFeetPerMetre - 1.0) < kNear
+                         ? "taken as feet positions are a person's: write them in metres"
+                         : "are positions in metres?");
+}
 
 bool shows_enough(const Body& body) {
   std::size_t seen = 0;
@@ -110,9 +122,12 @@ void JointFaults::add(const Body& body) {
 }
 
 std::vector<std::string> JointFaults::texts() const {
+  const std::optional<double> size = odd_size();
   std::vector<std::string> texts;
-  if (const auto text = out_of_reach_text()) texts.push_back(*text);
-  if (const auto text = too_long_text())
+  if (const auto text = out_of_reach_text(); text && !(size > 1.0)) texts.push_back(*text);
+  if (size)
+    texts.push_back(size_text(*size));
+  else if (const auto text = too_long_text())
     texts.push_back(*text);
   else if (const auto order = spine_text())
     texts.push_back(*order);
@@ -143,20 +158,41 @@ std::optional<std::string> JointFaults::out_of_reach_text() const {
                                     at_sensor_ == all ? "all" : std::to_string(at_sensor_)));
 }
 
+double JointFaults::median_length_m(std::size_t bone) const {
+  const auto& counts = lengths_[bone];
+  const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  if (all < kMinBodies) return kNaN;
+  std::size_t bin = 0;
+  for (std::uint64_t below = counts[0]; 2 * below < all; below += counts[bin]) ++bin;
+  return kBin_m * (static_cast<double>(bin) + 0.5);
+}
+
+// All bones too long or too short alike.
+std::optional<double> JointFaults::odd_size() const {
+  constexpr std::size_t kMinBones = 8;
+  constexpr double kLong_m = 0.15;  // shorter ones are known to a third
+  constexpr double kMaxSpread = 1.7, kMinSize = 0.5, kMaxSize = 1.6;
+  std::vector<double> sizes;
+  for (std::size_t b = 0; b < kBones.size(); ++b) {
+    const double usual_m = kUsualBone_m[static_cast<std::size_t>(kBones[b].child)];
+    if (const double m = median_length_m(b); usual_m >= kLong_m && m > 0.0) sizes.push_back(m / usual_m);
+  }
+  if (sizes.size() < kMinBones) return std::nullopt;
+  std::ranges::sort(sizes);
+  const double size = sizes[sizes.size() / 2];
+  if (sizes[3 * sizes.size() / 4] > kMaxSpread * sizes[sizes.size() / 4]) return std::nullopt;
+  return size >= kMinSize && size <= kMaxSize ? std::nullopt : std::optional(size);
+}
+
 std::optional<std::string> JointFaults::too_long_text() const {
   constexpr std::size_t kMinBones = 6;  // of hidden limbs up to 4 are too long
   constexpr std::size_t kMaxNamed = 3;
   std::vector<std::string> bones;
   for (std::size_t b = 0; b < kBones.size(); ++b) {
-    const auto& counts = lengths_[b];
-    const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-    if (all < kMinBodies) continue;
-    std::size_t bin = 0;
-    for (std::uint64_t below = counts[0]; 2 * below < all; below += counts[bin]) ++bin;
-    const double median_m = kBin_m * (static_cast<double>(bin) + 0.5);
-    if (const double most_m = kMaxBone_m[static_cast<std::size_t>(kBones[b].child)]; median_m > most_m)
+    const double length_m = median_length_m(b);
+    if (const double most_m = kMaxBone_m[static_cast<std::size_t>(kBones[b].child)]; length_m > most_m)
       bones.push_back(fmt::format("{} to {} {:.2f} m, at most {:.2f}", name_of(kBones[b].parent),
-                                  name_of(kBones[b].child), median_m, most_m));
+                                  name_of(kBones[b].child), length_m, most_m));
   }
   if (bones.size() < kMinBones) return std::nullopt;
   return fmt::format(

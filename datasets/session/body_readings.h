@@ -27,12 +27,15 @@ class JointFaults {
   void add(const Body& body);
   // One text a kind of fault; joints out of reach first.
   std::vector<std::string> texts() const;
-  bool in_other_order() const { return too_long_text() || spine_text(); }
+  // Whether the positions are another unit's, or other joints', so that they tell nothing of poses and truth.
+  bool are_misread() const { return odd_size() || too_long_text() || spine_text(); }
 
  private:
   static constexpr double kBin_m = 0.02;
   static constexpr std::size_t kBins = 100;  // the last one for all that are longer
   std::optional<std::string> out_of_reach_text() const;
+  double median_length_m(std::size_t bone) const;
+  std::optional<double> odd_size() const;  // of the bones, in those of a person
   std::optional<std::string> too_long_text() const;
   std::optional<std::string> spine_text() const;
 

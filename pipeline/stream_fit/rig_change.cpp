@@ -57,12 +57,14 @@ std::vector<RigChange> changes_of_convention(std::size_t sensors) {
       for (const Inverse inverse : {Inverse::none, Inverse::pose, Inverse::rotation})
         if (const PoseConvention convention{w_first, inverse}; !convention.is_ours())
           changes.push_back({same_order(sensors), axes.asDiagonal().toDenseMatrix(), 1.0, convention});
+  changes.push_back({same_order(sensors), Eigen::Matrix3d::Identity(), 1.0, {.bodies_in_world = true}});
   return changes;
 }
 
 }  // namespace
 
 RigidTransform PoseConvention::meant(const RigidTransform& read) const {
+  if (bodies_in_world) return {};
   RigidTransform pose = read;
   const Eigen::Quaterniond& q = read.rotation;
   if (w_first) pose.rotation = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w());

@@ -29,9 +29,10 @@ struct PoseConvention {
     none,
     pose,
     rotation
-  } inverse = Inverse::none;  // from the world to the sensor
+  } inverse = Inverse::none;     // from the world to the sensor
+  bool bodies_in_world = false;  // the bodies have been put there already
 
-  bool is_ours() const { return !w_first && inverse == Inverse::none; }
+  bool is_ours() const { return !w_first && inverse == Inverse::none && !bodies_in_world; }
   // The pose that was meant by what was read as x, y, z, w from the sensor to the world.
   RigidTransform meant(const RigidTransform& read) const;
 };

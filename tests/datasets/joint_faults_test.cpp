@@ -111,7 +111,7 @@ TEST(JointFaults, JointsInAnotherOrderAreNamedByTheirBones) {
   for (const BodyChange& change : {exchanged({{shoulder_left, hip_left}, {shoulder_right, hip_right}}),
                                    hands_at_knees, inserted, shifted, BodyChange(reverse)}) {
     EXPECT_THAT(text_of(change), testing::EndsWith("are the joints in the order of a Kinect v2?"));
-    EXPECT_TRUE(faults_of(change).in_other_order());
+    EXPECT_TRUE(faults_of(change).are_misread());
   }
   EXPECT_THAT(
       text_of(hands_at_knees),
@@ -120,6 +120,24 @@ TEST(JointFaults, JointsInAnotherOrderAreNamedByTheirBones) {
   EXPECT_EQ(text_of(reverse, 29), "");
   EXPECT_NE(text_of(reverse, 30), "");
   EXPECT_EQ(text_of([](Body& body) { reverse(body), body.tracking_state.fill(0); }), "");
+}
+
+// All bones alike: the unit, not the order.
+TEST(JointFaults, BodiesOfAnotherSizeThanAPersonsAreNamedByIt) {
+  const auto sized = [](float by) {
+    return text_of([=](Body& body) {
+      for (auto& at : body.position_m) at = {by * at[0], by * at[1], at[2]};
+    });
+  };
+  EXPECT_EQ(sized(3.28084F),
+            "bones are some 3 times as long as those of a person of 1.7 m; taken as feet positions are a "
+            "person's: write "
+            "them in metres");
+  EXPECT_THAT(sized(2.0F), testing::EndsWith("are positions in metres?"));
+  EXPECT_THAT(sized(0.3048F),
+              testing::EndsWith("times as long as those of a person of 1.7 m; are positions in metres?"));
+  EXPECT_EQ(sized(1.45F).find("as long as those of a person of 1.7 m"), std::string::npos);
+  EXPECT_EQ(sized(0.55F), "");
 }
 
 // Six bones that are too long are a fault; up to four are a hidden limb.
@@ -143,7 +161,7 @@ TEST(JointFaults, ExchangedJointsOfTheSpineAreNamed) {
               HasSubstr("spine_shoulder lies farther from spine_mid than neck does"));
   EXPECT_THAT(text_of(exchanged({{spine_mid, spine_shoulder}})),
               HasSubstr("spine_mid lies farther from spine_base than spine_shoulder does"));
-  EXPECT_TRUE(faults_of(exchanged({{neck, head}})).in_other_order());
+  EXPECT_TRUE(faults_of(exchanged({{neck, head}})).are_misread());
   EXPECT_EQ(text_of(exchanged({{neck, head}}), 29), "");
   EXPECT_NE(text_of(exchanged({{neck, head}}), 30), "");
 }
@@ -157,7 +175,7 @@ TEST(JointFaults, ASpineThatIsSometimesExchangedIsNotNamed) {
       if (i >= sound) exchange(body, Joint::neck, Joint::head);
       faults.add(body);
     }
-    return faults.in_other_order();
+    return faults.are_misread();
   };
   EXPECT_FALSE(of_every(11));
   EXPECT_TRUE(of_every(10));

@@ -163,7 +163,8 @@ bool is_right_of_all(const SensorsFit& fit, Fault fault) {
   if (fault == Fault::circle) return rig.pose_of[0] == 2 && rig.pose_of[1] == 0 && rig.pose_of[2] == 1;
   if (!std::ranges::is_sorted(rig.pose_of)) return false;
   using Inverse = PoseConvention::Inverse;
-  const auto [w_first, inverse] = rig.convention;
+  const auto [w_first, inverse, bodies_in_world] = rig.convention;
+  if (bodies_in_world) return false;
   if (fault == Fault::inverse_poses) return !w_first && inverse == Inverse::pose && rig.axes.isIdentity();
   if (fault == Fault::inverse_rotations)
     return !w_first && inverse == Inverse::rotation && rig.axes.isIdentity();

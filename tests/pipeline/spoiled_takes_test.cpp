@@ -173,6 +173,39 @@ void reorder_joints(Recorded& recorded) {
                  }});
 }
 
+// Positions so many times as large, of all sensors.
+Spoil bodies_scaled(float by) {
+  return [by](Recorded& recorded) {
+    change_session(recorded.take(), recorded.folder / "spoiled.h5", {[by](std::size_t, BodyFrame& frame) {
+                     for (Body& body : frame.bodies)
+                       for (auto& position_m : body.position_m)
+                         for (float& axis_m : position_m) axis_m *= by;
+                     return true;
+                   }});
+  };
+}
+
+// The whole rig in another world than the export's.
+Spoil world_changed(double turn_rad, const Eigen::Vector3d& shift_m) {
+  return calibrated([=](Calibration& c) {
+    const RigidTransform change{Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY())),
+                                shift_m};
+    for (SensorPose& sensor : c.sensors) sensor.world_from_sensor = change * sensor.world_from_sensor;
+  });
+}
+
+void put_bodies_in_the_world(Recorded& recorded) {
+  const Calibration calibration = read_calibration(recorded.take().calibration);
+  change_session(recorded.take(), recorded.folder / "spoiled.h5", {[&](std::size_t s, BodyFrame& frame) {
+                   for (Body& body : frame.bodies)
+                     for (auto& at : body.position_m) {
+                       Eigen::Map<Eigen::Vector3f> at_m(at.data());
+                       at_m = (calibration.sensors[s].world_from_sensor * at_m.cast<double>()).cast<float>();
+                     }
+                   return true;
+                 }});
+}
+
 void exchange_neck_and_head(Recorded& recorded) {
   change_session(recorded.take(), recorded.folder / "spoiled.h5", {[](std::size_t, BodyFrame& frame) {
                    for (Body& body : frame.bodies)
@@ -273,6 +306,14 @@ std::vector<Spoiled> all_spoiled() {
       {"clock_of_arrivals",
        set_the_clock_of_arrivals,
        {"k2: arrivals jump by 4.0", "while its ticks go on", "take 4.0", " s from the arrivals"}},
+      {"bodies_in_feet",
+       bodies_scaled(3.28084F),
+       {"spoiled.h5: k",
+        "times as long as those of a person of 1.7 m; taken as feet positions are a person's"}},
+      {"bodies_too_small", bodies_scaled(0.3048F), {"spoiled.h5: k", "; are positions in metres?"}},
+      {"bodies_in_world",
+       put_bodies_in_the_world,
+       {"spoiled.h5: ", "has bodies that lie in the world already", "falls from", "in its own frame"}},
       {"slow_frames",
        keep_every_fourth_frame,
        {"k1, k2: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},
@@ -376,6 +417,41 @@ TEST_P(SpoiledTakes, AreNamedWithSizeAndRemedy) {
 
 INSTANTIATE_TEST_SUITE_P(All, SpoiledTakes, testing::ValuesIn(all_spoiled()),
                          [](const auto& spoiled) { return spoiled.param.what; });
+
+// Somebody who walks in a circle, in a world that is turned, is where they were some seconds before or after.
+TEST(SpoiledWorlds, ARigOutsideTheExportsWorldIsNoWrongStart) {
+  struct World {
+    double turn_rad;
+    Eigen::Vector3d shift_m;
+    std::string said;
+  };
+  for (const World& world :
+       {World{1.57, {0.0, 0.0, 0.0}, "has other axes than what the sensors see, read as \\(z, y, -x\\)"},
+        World{-0.5,
+              {0.6, 0.0, 0.0},
+              "lies in another frame .*turned by -?(29|30) degrees about y and shifted .*calibrate the "
+              "sensors in its world"},
+        World{0.0,
+              {0.0, -0.9, 0.0},
+              "lies in another frame .*shifted by \\(-?0.0., -?0.9., -?0.0.\\) m.*calibrate the sensors in "
+              "its world"},
+        World{0.0,
+              {1.2, 0.0, 0.4},
+              "lies in another frame .*shifted by \\(-?1.2., -?0.0., -?0.4.\\) m.*calibrate the sensors in "
+              "its world"}})
+    for (const std::string clock : {"check", "stated", "motion"}) {
+      const ScratchFolder folder;
+      Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
+      world_changed(world.turn_rad, world.shift_m)(recorded);
+      const StudySpec study =
+          study_of(R"("alignments": ["none"], "methods": [{"method": "mean"}], "clock": ")" + clock + '"');
+      std::string notes;
+      for (const TakeNote& note : execute_study(study, recorded.campaign, folder / "results", {}).notes)
+        notes += note.place + ": " + note.text + "\n";
+      EXPECT_THAT(notes, testing::ContainsRegex("mocap.csv: " + world.said)) << clock;
+      EXPECT_THAT(notes, testing::Not(testing::HasSubstr("mocap_start_host_ns"))) << clock;
+    }
+}
 
 Spoil started_s(double later_s) {
   return [=](Recorded& recorded) {

@@ -181,6 +181,11 @@ class SensorChecker {
                        "person; {}. Is its length right (the wand's, the unit)? Calibrate again",
                        rig.distances > 1.0 ? "apart" : "together", percent,
                        rig.distances > 1.0 ? "short" : "long", effect));
+    } else if (rig.convention.bodies_in_world) {
+      note(planned_.take.session,
+           "has bodies that lie in the world already, it seems: without the sensors' poses the mean distance "
+           "between two sensors " +
+               falls_text(fit.before_m, fit.after_m) + ". Write each sensor's bodies in its own frame");
     } else if (!rig.convention.is_ours()) {
       checks_.misplaced = true;
       note(planned_.take.calibration, convention_text(rig) + "; " + effect + ". Write it so");

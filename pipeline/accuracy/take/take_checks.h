@@ -12,6 +12,7 @@ namespace trilat {
 struct TakeChecks {
   std::vector<CheckRow> rows = {};
   std::vector<TakeNote> notes = {};
+  bool names_cause = false;  // of a truth that differs
 };
 
 // Checks of the sensors of a take against each other: the same stream twice, and what fit_sensors() finds. A
@@ -34,6 +35,10 @@ TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const Prepa
 // sensors see the person move: the text of a note with the numbers that put it right; empty where neither
 // explains it.
 std::string clock_fault_text(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
+
+// Another frame of the truth than the calibration's, where that explains what differs and no start does;
+// empty otherwise. Text of a note.
+std::string frame_fault_text(const Plan& plan, const PlannedTake& planned, const PreparedTake& data);
 
 // How each sensor is turned, shifted and measures beside its calibration, by the bodies (`data.shown`). A
 // note where check_sensors() has none. Without rows where the bodies show nothing of the calibration.

@@ -92,7 +92,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
   for (std::size_t s = 0; s < seen.size(); ++s) {
     for (const std::string& text : seen[s].joints.texts()) note(s, text);
     if (const auto text = arrival_jump_text(planned.host_from_sensor[s])) note(s, *text);
-    if (seen[s].jumps > 0)
+    if (seen[s].jumps > 0 && !seen[s].joints.are_misread())
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
                           "id; from there it counts as another body, and the person is chosen again",
                           seen[s].jumps));
@@ -123,6 +123,8 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
 void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies& seen, bool has_truth,
                    PersonTake& data) {
   append({{}, notes_on_streams(plan, planned, seen)}, data);
+  data.joints_misread =
+      std::ranges::any_of(seen, [](const SensorBodies& s) { return s.joints.are_misread(); });
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
   std::optional<SensorChecks> checks;
@@ -130,12 +132,12 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
     checks = check_sensors(plan, planned, follow(plan, planned, seen, nullptr, data.time));
     if (checks->is_one_person || (checks->misplaced && !has_truth)) person.reset();
   }
-  if (person) data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
+  if (person && !data.joints_misread)
+    data.notes.push_back({planned.take.id, false, planned.take.session.string(), person->note});
   data.bodies = follow(plan, planned, seen, person ? &*person : nullptr, data.time);
   if (!checks) checks = check_sensors(plan, planned, data.bodies);
-  data.joints_in_other_order =
-      std::ranges::any_of(seen, [](const SensorBodies& s) { return s.joints.in_other_order(); });
-  data.explained_by_sensor_check = !checks->notes.empty() || data.joints_in_other_order;
+  if (data.joints_misread) checks->notes.clear();
+  data.explained_by_sensor_check = !checks->notes.empty() || data.joints_misread;
   data.rig_changed = checks->rig_changed;
   data.odd_sensors = checks->odd_sensors;
   append(std::move(*checks), data);
@@ -205,28 +207,39 @@ void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor,
   }
 }
 
-// A take whose motion does not say anything about the clock keeps the stated one, with a note. Whether it
-// named a clock that is off by more than what was searched.
-bool check_clock(const Plan& plan, const PlannedTake& planned, const std::vector<PointPath>& truth,
-                 const std::function<bool()>& stop_requested, PreparedTake& data) {
-  if (plan.study.clock == ClockSource::stated) return false;
+// What check_clock() found of the stated start.
+struct ClockCheck {
+  bool is_late = false;  // off by more than what was searched
+  std::string warning;   // the note's text; empty without one
+};
+
+// A take whose motion does not say anything about the clock keeps the stated one, with a note; so does one
+// whose truth lies in another frame.
+ClockCheck check_clock(const Plan& plan, const PlannedTake& planned, const std::vector<PointPath>& truth,
+                       const std::function<bool()>& stop_requested, PreparedTake& data) {
+  if (plan.study.clock == ClockSource::stated) return {};
   MotionClock clock = clock_by_motion(plan, planned, data, truth);
   data.clock = clock.row;
-  std::string fault;
-  if (!data.explained_by_sensor_check && !std::isfinite(data.clock.offset_s))
-    fault = clock_fault_text(plan, planned, data);
-  const bool is_fault = !fault.empty();
-  if (std::string text = is_fault ? std::move(fault) : std::move(clock.warning);
-      !text.empty() && !data.explained_by_sensor_check)
+  const bool is_known = std::isfinite(data.clock.offset_s);
+  ClockCheck check;
+  std::string frame;
+  if (!data.explained_by_sensor_check) {
+    if (!is_known) check.warning = clock_fault_text(plan, planned, data);
+    check.is_late = !check.warning.empty();
+    if (!check.is_late && !clock.warning.empty()) frame = frame_fault_text(plan, planned, data);
+    if (!check.is_late) check.warning = frame.empty() ? std::move(clock.warning) : frame;
+  }
+  const auto note = [&](std::string text) {
     data.notes.push_back({planned.take.id, false, planned.take.mocap.string(), std::move(text)});
-  if (plan.study.clock != ClockSource::motion) return is_fault;
-  if (std::isfinite(data.clock.offset_s))
+  };
+  if (!check.warning.empty()) note(check.warning);
+  if (plan.study.clock != ClockSource::motion || !frame.empty()) return check;
+  if (is_known)
     apply_clock(plan, planned, stop_requested, data);
   else
-    data.notes.push_back({planned.take.id, false, planned.take.mocap.string(),
-                          "keeps its stated start, since by the motion the clocks' offset is not known (" +
-                              data.clock.status + "): " + cause_of(data.clock.status)});
-  return is_fault;
+    note("keeps its stated start, since by the motion the clocks' offset is not known (" + data.clock.status +
+         "): " + cause_of(data.clock.status));
+  return check;
 }
 
 // Which way the person faces, from what is left and right of the trunk in the mean over the sensors.
@@ -316,9 +329,13 @@ PreparedTake view_take(const Plan& plan, const PlannedTake& planned, PersonTake 
   PreparedTake data{std::move(followed)};
   repair(plan, planned, left_out, data);
   if (truth) {
-    const bool is_late = check_clock(plan, planned, truth->dense, stop_requested, data);
-    if (!data.rig_changed && !data.joints_in_other_order && !is_late)
-      append(check_truth(plan, planned, data), data);
+    const ClockCheck clock = check_clock(plan, planned, truth->dense, stop_requested, data);
+    if (!data.rig_changed && !data.joints_misread && !clock.is_late) {
+      TakeChecks checks = check_truth(plan, planned, data);
+      if (checks.names_cause && !std::isfinite(data.clock.offset_s))  // which is why no start fits
+        std::erase_if(data.notes, [&](const TakeNote& note) { return note.text == clock.warning; });
+      append(std::move(checks), data);
+    }
   }
   data.heading_rad = headings_of(data.bodies, planned.world_from_sensor);
   if (left_out) leave_out(plan, planned, *left_out, data);

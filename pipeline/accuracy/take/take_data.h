@@ -48,7 +48,7 @@ struct PersonTake {
   std::vector<TakeNote> notes;
   bool rig_changed = false;  // check_sensors() found a fault of all sensors, which the truth shows, too
   std::vector<std::size_t> odd_sensors;  // that check_sensors() named: the truth is not judged by them
-  bool joints_in_other_order = false;    // in a sensor's bodies, so that no check of a joint's place says why
+  bool joints_misread = false;  // in another unit or order, so that they tell nothing of poses and truth
   bool explained_by_sensor_check = false;  // a sensor check has reported a cause; later checks add no note
 
   const Eigen::Vector3d& truth(std::size_t instant, std::size_t joint, std::size_t joints) const {

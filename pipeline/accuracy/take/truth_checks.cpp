@@ -39,7 +39,7 @@ class TruthChecker {
     const auto [seen, truth] = streams();
     const StreamFit fit = fit_streams({seen, truth}, mirrored_points(names_), kLookedFor);
     add({.subject = "mocap", .what = "laid over", .unit = "m", .value = fit.before_m});
-    checks_.rows.back().beyond =
+    checks_.rows.back().beyond = checks_.names_cause =
         fit.status == StreamFitStatus::found || fit.status == StreamFitStatus::one_of;
     if (fit.status == StreamFitStatus::found)
       note_change(fit);
@@ -50,6 +50,20 @@ class TruthChecker {
     check_coverage();
     find_far(fit);
     return std::move(checks_);
+  }
+
+  std::string frame_text() const {
+    if (!planned_.in_mocap_world) return {};
+    const auto [seen, truth] = streams();
+    const StreamFit fit = fit_streams({seen, truth}, mirrored_points(names_),
+                                      {.causes = kStartCause | kRateCause | kShiftCause | kTurnCause});
+    const auto has_clock = [](const StreamChange& change) {
+      return (causes_of(change) & (kStartCause | kRateCause)) != 0;
+    };
+    const std::string text = stream_note(fit, {"what the sensors see", names_});
+    if (fit.status == StreamFitStatus::one_of && !std::ranges::all_of(fit.changes, has_clock)) return text;
+    if (fit.status != StreamFitStatus::found || has_clock(fit.changes.front())) return {};
+    return text + ", or calibrate the sensors in its world";
   }
 
   std::string clock_text() const {
@@ -182,13 +196,16 @@ class TruthChecker {
     const bool is_explained =
         data_.explained_by_sensor_check ||
         std::ranges::find(data_.notes, planned_.take.mocap.string(), &TakeNote::place) != data_.notes.end();
-    if (median_m > kApart_m && !is_explained)
-      note(
-          planned_.take.mocap,
-          fmt::format(
-              "lies {:.2f} m from where the sensors see the joints{}; is mocap_start_host_ns right, and "
-              "the calibration in its world?",
-              median_m, plan_.study.clock == ClockSource::stated ? "" : ", and the motion does not say why"));
+    if (!(median_m > kApart_m) || is_explained) return;
+    const std::string frame = frame_text();
+    note(planned_.take.mocap,
+         !frame.empty()
+             ? frame
+             : fmt::format(
+                   "lies {:.2f} m from where the sensors see the joints{}; is mocap_start_host_ns right, "
+                   "and the calibration in its world?",
+                   median_m,
+                   plan_.study.clock == ClockSource::stated ? "" : ", and the motion does not say why"));
   }
 
   void check_coverage() {
@@ -241,6 +258,10 @@ class TruthChecker {
 
 std::string clock_fault_text(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
   return TruthChecker(plan, planned, data).clock_text();
+}
+
+std::string frame_fault_text(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
+  return TruthChecker(plan, planned, data).frame_text();
 }
 
 TakeChecks check_truth(const Plan& plan, const PlannedTake& planned, const PreparedTake& data) {
