@@ -137,7 +137,8 @@ TEST(PersonChoice, ATruthInAnotherWorldSortsNobodyOutWhereNobodyIsBesideThem) {
   write_calibration(walk.folder / "moved.json", moved);
   walk.take.calibration = walk.folder / "moved.json";
   const ResultsSummary summary = walk.evaluated([](std::size_t, BodyFrame&) {});
-  EXPECT_THAT(note_of(summary), testing::HasSubstr("is the calibration in its world"));
+  EXPECT_THAT(note_of(summary),
+              testing::HasSubstr("lies in another frame than what the sensors see, shifted by (7.00"));
   EXPECT_EQ(summary.takes_failed, 0u);
 }
 

@@ -530,8 +530,16 @@ std::vector<Misplaced> all_misplaced() {
       {"late_start", Activity::walking, 30.0, started_s(20.0), apart},
       {"early_start", Activity::walking, 30.0, started_s(-20.0), apart},
       {"late_start_of_a_short_take", Activity::walking, 6.0, started_s(5.0), apart},
-      {"moved_calibration", Activity::standing, 10.0, moved, apart},
-      {"raised_truth", Activity::standing, 10.0, raised, apart},
+      {"moved_calibration",
+       Activity::standing,
+       10.0,
+       moved,
+       {"mocap.csv: lies in another frame", "shifted by (0.70, "}},
+      {"raised_truth",
+       Activity::standing,
+       10.0,
+       raised,
+       {"mocap.csv: lies in another frame", "shifted by (0.00, -0.5"}},
       {"hardly_covered", Activity::walking, 30.0, started_s(20.0), {"has truth for 10.0 s of the 30.0 s"}}};
 }
 
