@@ -209,6 +209,7 @@ class Door(Opened):
         for camp, words in ((changed(1_000_000), r"0.003 frames a second by device ticks of 1000000 ns, and 30.* by their arrivals" + both),
                             (changed(1000), r"3 frames a second by device ticks of 1000 ns" + ".*" + both),
                             (changed(1), r"3000.* frames a second by device ticks of 1 ns" + ".*" + both),
+                            (changed(1_000_000, 10**13), "ticks of 1000000 ns, where a Kinect makes 30; with ticks of 100 ns it has 30"),
                             (changed(100, 1_000), r"30.* by arrival_ns, and 30.* by device ticks; arrivals in microseconds would agree"),
                             (changed(100, 1_000_000), r"arrivals in milliseconds would agree: write them in nanoseconds")):
             verified = subprocess.run([program_path(), "verify", camp / "p01-walking/session.h5"], capture_output=True, text=True)

@@ -2,6 +2,7 @@
 #include "datasets/session/clock/session_clock.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -243,6 +244,7 @@ std::pair<FrameStream, std::uint64_t> stamped_frames(const SessionReader& sessio
 }
 
 constexpr double kMinRate_hz = 1.0, kMaxRate_hz = 300.0;
+constexpr std::array<std::int64_t, 4> kTickLengths_ns{100, 1, 1'000, 1'000'000};
 bool is_kinect_rate(double rate_hz) { return rate_hz >= kMinRate_hz && rate_hz <= kMaxRate_hz; }
 
 // Frames a second by ticks, if one lasted 1 ns, and by arrivals; 0 where neither rises.
@@ -252,10 +254,11 @@ struct FrameRates {
 
 FrameRates frame_rates(const std::vector<FrameStamp>& stamps) {
   const auto rate_hz = [&](std::int64_t FrameStamp::*clock) {
-    std::vector<std::int64_t> steps;
+    std::vector<double> steps;  // a file may hold any integers
     for (std::size_t i = 1; i < stamps.size(); ++i)
-      if (const std::int64_t step = stamps[i].*clock - stamps[i - 1].*clock; step > 0) steps.push_back(step);
-    return steps.empty() ? 0.0 : 1e9 / static_cast<double>(upper_median(steps));
+      if (stamps[i].*clock > stamps[i - 1].*clock)
+        steps.push_back(static_cast<double>(stamps[i].*clock) - static_cast<double>(stamps[i - 1].*clock));
+    return steps.empty() ? 0.0 : 1e9 / std::max(1.0, upper_median(steps));
   };
   return {rate_hz(&FrameStamp::device_ticks), rate_hz(&FrameStamp::arrival_ns)};
 }
@@ -275,7 +278,7 @@ std::optional<std::string> odd_rates_text(const SessionReader& session, std::siz
   const auto agrees = [&](double rate_hz) { return std::abs(rate_hz / rates.by_arrivals_hz - 1.0) < kAgree; };
   if (is_kinect_rate(rates.by_arrivals_hz)) {
     if (agrees(by_ticks_hz)) return std::nullopt;
-    for (const std::int64_t of_ns : {100, 1, 1'000, 1'000'000})
+    for (const std::int64_t of_ns : kTickLengths_ns)
       if (agrees(rates.by_ticks_hz / static_cast<double>(of_ns)))
         return fmt::format(
             "has {:.6g} frames a second by device ticks of {} ns, and {:.4g} by their arrivals; with "
@@ -290,8 +293,14 @@ std::optional<std::string> odd_rates_text(const SessionReader& session, std::siz
             rates.by_arrivals_hz, by_ticks_hz, unit);
   }
   if (is_kinect_rate(by_ticks_hz)) return std::nullopt;
-  return fmt::format("has {:.6g} frames a second by device ticks of {} ns, where a Kinect makes 30",
-                     by_ticks_hz, tick_ns);
+  std::string remedy;
+  for (const std::int64_t of_ns : kTickLengths_ns)
+    if (const double rate_hz = rates.by_ticks_hz / static_cast<double>(of_ns);
+        is_kinect_rate(rate_hz) && remedy.empty())
+      remedy = fmt::format("; with ticks of {} ns it has {:.4g}: write the session again with that tick_ns",
+                           of_ns, rate_hz);
+  return fmt::format("has {:.6g} frames a second by device ticks of {} ns, where a Kinect makes 30{}",
+                     by_ticks_hz, tick_ns, remedy);
 }
 
 }  // namespace
@@ -335,8 +344,7 @@ std::optional<std::string> arrival_jump_text(const SensorClockMap& clock) {
     return fmt::format(
         "arrivals jump by {:.2f} s, {:.1f} s after its first frame, while its ticks go on: the clock that "
         "stamps them was set. Times before and after do not belong together; {} {:.3f} s {} the arrivals "
-        "from "
-        "there on",
+        "from there on",
         jump_s, (after.first - clock.epochs.front().first).seconds(), jump_s > 0.0 ? "take" : "add",
         std::abs(jump_s), jump_s > 0.0 ? "from" : "to");
   }
