@@ -55,8 +55,10 @@ class TruthChecker {
   std::string frame_text() const {
     if (!planned_.in_mocap_world) return {};
     const auto [seen, truth] = streams();
-    const StreamFit fit = fit_streams({seen, truth}, mirrored_points(names_),
-                                      {.causes = kStartCause | kRateCause | kShiftCause | kTurnCause});
+    constexpr double kMinStart_s = 0.15;  // trackers lag by less
+    const StreamFit fit = fit_streams(
+        {seen, truth}, mirrored_points(names_),
+        {.min_start_s = kMinStart_s, .causes = kStartCause | kRateCause | kShiftCause | kTurnCause});
     const auto has_clock = [](const StreamChange& change) {
       return (causes_of(change) & (kStartCause | kRateCause)) != 0;
     };
