@@ -59,13 +59,9 @@ class TruthChecker {
     const StreamFit fit = fit_streams(
         {seen, truth}, mirrored_points(names_),
         {.min_start_s = kMinStart_s, .causes = kStartCause | kRateCause | kShiftCause | kTurnCause});
-    const auto has_clock = [](const StreamChange& change) {
-      return (causes_of(change) & (kStartCause | kRateCause)) != 0;
-    };
+    if (fit.changes.empty() || (causes_of(fit.changes.front()) & (kStartCause | kRateCause)) != 0) return {};
     const std::string text = stream_note(fit, {"what the sensors see", names_});
-    if (fit.status == StreamFitStatus::one_of && !std::ranges::all_of(fit.changes, has_clock)) return text;
-    if (fit.status != StreamFitStatus::found || has_clock(fit.changes.front())) return {};
-    return text + ", or calibrate the sensors in its world";
+    return fit.status == StreamFitStatus::found ? text + ", or calibrate the sensors in its world" : text;
   }
 
   std::string clock_text() const {
