@@ -121,17 +121,10 @@ void JointFaults::add(const Body& body) {
   }
 }
 
-std::vector<std::string> JointFaults::texts() const {
-  const std::optional<double> size = odd_size();
-  std::vector<std::string> texts;
-  if (const auto text = out_of_reach_text(); text && !(size > 1.0)) texts.push_back(*text);
-  if (size)
-    texts.push_back(size_text(*size));
-  else if (const auto text = too_long_text())
-    texts.push_back(*text);
-  else if (const auto order = spine_text())
-    texts.push_back(*order);
-  return texts;
+std::optional<std::string> JointFaults::misread_text() const {
+  if (const auto size = odd_size()) return size_text(*size);
+  if (auto text = too_long_text()) return text;
+  return spine_text();
 }
 
 std::optional<std::string> JointFaults::out_of_reach_text() const {
@@ -142,7 +135,7 @@ std::optional<std::string> JointFaults::out_of_reach_text() const {
     if (out_of_reach_[j] > 0)
       joints.push_back(fmt::format("{} {}", name_of(static_cast<Joint>(j)), out_of_reach_[j]));
   }
-  if (all == 0) return std::nullopt;
+  if (all == 0 || odd_size() > 1.0) return std::nullopt;  // far away since all is too large
   const auto most_of = [](std::uint64_t count, std::uint64_t of) { return 10 * count >= 9 * of; };
   for (std::size_t u = 0; u < kOtherUnits.size(); ++u)
     if (most_of(all, joints_) && most_of(in_unit_[u], all))

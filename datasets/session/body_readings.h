@@ -25,15 +25,14 @@ JointReading reading_of(const Body& body, std::size_t joint);
 class JointFaults {
  public:
   void add(const Body& body);
-  // One text a kind of fault; joints out of reach first.
-  std::vector<std::string> texts() const;
-  // Whether the positions are another unit's, or other joints', so that they tell nothing of poses and truth.
-  bool are_misread() const { return odd_size() || too_long_text() || spine_text(); }
+  // Joints that count as not seen since they are out of reach.
+  std::optional<std::string> out_of_reach_text() const;
+  // Positions in another unit, or of other joints, which tell nothing of poses and truth.
+  std::optional<std::string> misread_text() const;
 
  private:
   static constexpr double kBin_m = 0.02;
   static constexpr std::size_t kBins = 100;  // the last one for all that are longer
-  std::optional<std::string> out_of_reach_text() const;
   double median_length_m(std::size_t bone) const;
   std::optional<double> odd_size() const;  // of the bones, in those of a person
   std::optional<std::string> too_long_text() const;

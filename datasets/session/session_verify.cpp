@@ -147,8 +147,10 @@ struct BodyCounts {
           Severity::error, "/bodies/position_m",
           fmt::format("{} tracked or inferred joints are not finite; they count as not seen", not_finite),
           kAnswers);
-    for (const std::string& text : joints.texts())
-      place.say(Severity::error, "/bodies/position_m", text, kPositions);
+    if (const auto text = joints.out_of_reach_text())
+      place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
+    if (const auto text = joints.misread_text())
+      place.say(Severity::error, "/bodies/position_m", *text, kPositions);
     if (identities.jumps() > 0)
       place.say(Severity::warning, "/bodies/tracking_id",
                 fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; "

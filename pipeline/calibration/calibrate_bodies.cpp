@@ -65,8 +65,8 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
                        "has no body frames, from which the sensors could be placed");
     clocks.push_back(fit_sensor_clock(session, s));
     bodies.push_back(read_sensor_bodies(session, s, clocks.back(), options.stop_requested));
-    for (const std::string& text : bodies[s].joints.texts())
-      notes.push_back(session.header().sensors[s].name + ": " + text);
+    for (const auto& text : {bodies[s].joints.out_of_reach_text(), bodies[s].joints.misread_text()})
+      if (text) notes.push_back(session.header().sensors[s].name + ": " + *text);
   }
   const Span span = common_span(session, clocks);
   RigProblem problem{sensors, options.instants * kJointCount, {}};

@@ -108,7 +108,7 @@ bool is_mirror_image(const FrameSums& places) {
   return rms_m(true) < kAgree_m && rms_m(false) > std::max(2.0 * kAgree_m, kTimes * rms_m(true));
 }
 
-// What two sensors see of the ball at the same places.
+// Positions of the ball in the frames of two sensors, summed over the places that both saw.
 FrameSums common_places(const WandObservations& views, std::size_t one, std::size_t other) {
   FrameSums sums;
   for (const WandPosition& position : views.positions) {
@@ -141,12 +141,12 @@ void check_mirrors(const WandObservations& views, const CalibrateWandOptions& op
           "shows the ball's places as the mirror image of what every sensor sees: the export has "
           "left-handed axes, or all depth images are flipped from left to right");
   } else {
-    std::vector<std::vector<std::size_t>> unlike(sensors);
+    std::vector<std::size_t> unlike(sensors, 0);  // other sensors
     for (std::size_t a = 0; a < sensors; ++a)
-      for (std::size_t b = 0; b < sensors; ++b)
-        if (a != b && is_mirror_image(common_places(views, a, b))) unlike[a].push_back(b);
+      for (std::size_t b = 0; b < a; ++b)
+        if (is_mirror_image(common_places(views, a, b))) ++unlike[a], ++unlike[b];
     for (std::size_t s = 0; s < sensors; ++s)
-      if (2 * unlike[s].size() > sensors - 1 || (sensors == 2 && !unlike[s].empty())) mirrored.push_back(s);
+      if (2 * unlike[s] > sensors - 1) mirrored.push_back(s);
   }
   if (mirrored.empty()) return;
   std::vector<std::string> names;

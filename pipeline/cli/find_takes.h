@@ -30,8 +30,8 @@ struct FoundTakes {
 };
 
 // Finds the recordings below the folder that `known`, the campaign as it is, does not hold. Each comes with
-// the calibration, the motion capture and the joints of other methods in its folder. InputError where there
-// is no recording, and for a recording without a calibration.
+// the calibration, the motion capture and the joints of other methods in its folder. Throws InputError
+// when the folder holds no recording, or when a recording has no calibration.
 FoundTakes find_takes(const TakeSearch& search, const Campaign& known);
 
 }  // namespace trilat

@@ -23,6 +23,7 @@ constexpr std::size_t kLeading = 24;        // kinds of changes that are judged 
 constexpr std::size_t kExchangesFrom = 10;  // leading changes in which exchanged points are looked for
 constexpr double kExchangedShare = 0.6, kExchangedPoint_m = 0.10;
 constexpr double kRefineStart_s = 0.02, kFinest = 1.0 / 64.0;
+constexpr double kRefineRate = 0.05;  // of a logarithm, about the rate that was found
 
 using Order = std::vector<std::size_t>;
 
@@ -283,6 +284,7 @@ class ChangeSearch {
       return to;
     };
     candidate.rms_m = rms_of(change);
+    const double found_stretch = change.stretch;
     for (double step = 1.0; step >= kFinest;) {
       bool better = false;
       const double step_s = step * kRefineStart_s;
@@ -290,6 +292,8 @@ class ChangeSearch {
            {std::pair{step_s, 0.0}, {-step_s, 0.0}, {0.0, step_s / half_s}, {0.0, -step_s / half_s}}) {
         if ((later_s != 0.0 && !change.has_start) || (faster != 0.0 && !change.has_stretch)) continue;
         StreamChange to = moved(later_s, faster);
+        // slowed down without end, a stream that stands still would be a little nearer each time
+        if (!(std::abs(std::log(to.stretch / found_stretch)) < kRefineRate)) continue;
         if (const double rms_m = rms_of(to); rms_m < candidate.rms_m) {
           candidate.rms_m = rms_m;
           change = to;

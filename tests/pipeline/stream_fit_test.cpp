@@ -218,6 +218,25 @@ TEST(StreamFit, AShiftAboutTheLeastThatIsNamedIsAShiftOrNothing) {
   EXPECT_GE(named, 12);
 }
 
+// Slowed down without end, a second of a walk stands still, which is a little nearer each time.
+TEST(StreamFit, ARateIsLookedForNearWhereItWasFoundAndNoFarther) {
+  for (const double duration_s : {1.0, 2.0, 4.0})
+    for (const Eigen::Vector3d& shift_m : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0, -1)}) {
+      ChangedStreams streams = ChangedStreamMaker("walking", 1, duration_s).with({});
+      streams.subject = streams.reference;
+      for (Eigen::Vector3d& at_m : streams.subject.at_m) at_m += shift_m;
+      const StreamFit fit = fit_streams({streams.reference, streams.subject}, streams.mirrored,
+                                        {.causes = kStartCause | kRateCause | kShiftCause | kTurnCause});
+      for (const StreamChange& change : fit.changes) {
+        EXPECT_GT(change.stretch, 0.1) << duration_s;
+        EXPECT_LT(change.stretch, 10.0) << duration_s;
+      }
+      if (fit.status == StreamFitStatus::found) {
+        EXPECT_EQ(causes_of(fit.changes[0]), kShiftCause) << duration_s;
+      }
+    }
+}
+
 TEST(StreamFit, GivesNoRemedyWhereSeveralChangesExplainTheSame) {
   ChangedStreamMaker maker("arm_swing", 1);
   const ChangedStreams streams = maker.with({Change::start});

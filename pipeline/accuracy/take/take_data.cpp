@@ -90,9 +90,11 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
       same->first += ", " + plan.rig[s];
   };
   for (std::size_t s = 0; s < seen.size(); ++s) {
-    for (const std::string& text : seen[s].joints.texts()) note(s, text);
+    if (const auto text = seen[s].joints.out_of_reach_text()) note(s, *text);
+    const auto misread = seen[s].joints.misread_text();
+    if (misread) note(s, *misread);
     if (const auto text = arrival_jump_text(planned.host_from_sensor[s])) note(s, *text);
-    if (seen[s].jumps > 0 && !seen[s].joints.are_misread())
+    if (seen[s].jumps > 0 && !misread)
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
                           "id; from there it counts as another body, and the person is chosen again",
                           seen[s].jumps));
@@ -124,7 +126,7 @@ void follow_bodies(const Plan& plan, const PlannedTake& planned, const RigBodies
                    PersonTake& data) {
   append({{}, notes_on_streams(plan, planned, seen)}, data);
   data.joints_misread =
-      std::ranges::any_of(seen, [](const SensorBodies& s) { return s.joints.are_misread(); });
+      std::ranges::any_of(seen, [](const SensorBodies& s) { return s.joints.misread_text().has_value(); });
   auto person = choose_person(plan, planned, seen, data);
   // Where no sensor sees two at once, bodies that lie apart may be one person's whom the poses tear apart.
   std::optional<SensorChecks> checks;
@@ -207,7 +209,7 @@ void leave_out(const Plan& plan, const PlannedTake& planned, std::size_t sensor,
   }
 }
 
-// What check_clock() found of the stated start.
+// Findings about the stated start of the truth.
 struct ClockCheck {
   bool is_late = false;  // off by more than what was searched
   std::string warning;   // the note's text; empty without one
