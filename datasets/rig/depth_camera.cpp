@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <Eigen/LU>
-#include <fmt/format.h>
 
 #include "datasets/base/units.h"
 
@@ -58,9 +57,9 @@ std::optional<std::string> doubt_about(const DepthIntrinsics& in) {
   const bool fx_is_odd = in.fx_px < kMinFocal_px || in.fx_px > kMaxFocal_px;
   const double odd_px = fx_is_odd ? in.fx_px : in.fy_px;
   if (!fx_is_odd && in.fy_px >= kMinFocal_px && in.fy_px <= kMaxFocal_px) return std::nullopt;
-  return fmt::format(
-      "has a focal length of {:.0f} px, where depth cameras of a Kinect v2 have about 365{}", odd_px,
-      odd_px > kMinColour_px && odd_px < kMaxColour_px ? ": it is that of its colour camera" : "");
+  return "has a focal length of " + std::to_string(std::lround(odd_px)) +
+         " px, where depth cameras of a Kinect v2 have about 365" +
+         (odd_px > kMinColour_px && odd_px < kMaxColour_px ? ": it is that of its colour camera" : "");
 }
 
 std::optional<Eigen::Vector2d> project(const DepthIntrinsics& in, const Eigen::Vector3d& point_in_sensor_m) {

@@ -2,6 +2,8 @@
 // Which room may include which: the table is the architecture, and this test holds every file against it.
 #include <filesystem>
 #include <fstream>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,12 @@ const Arrow* arrow_of(const std::string& file) {
   for (const Arrow& arrow : kArrows)
     if (file.starts_with(arrow.from) && (!best || arrow.from.size() > best->from.size())) best = &arrow;
   return best;
+}
+
+std::string contents_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
 }
 
 std::vector<std::string> quoted_includes(const std::filesystem::path& path) {
@@ -92,6 +100,25 @@ TEST(IncludeOrder, EachSourceIncludesItsOwnHeaderFirst) {
     }
   }
   EXPECT_GT(files, 100u);
+}
+
+// An agent runs on a Windows PC beside a Kinect, for which Debian has Eigen and zlib alone.
+TEST(IncludeArrows, TheAgentNeedsNoLibraryThatItsWindowsBuildHasNot) {
+  const std::filesystem::path root = trilat::kSourceDir;
+  const std::regex library("trilat_room\\(trilat_(frames|frame_source|link|kinect_sdk|agent_run)\\s[^)]*\\)");
+  const std::regex source("[a-z_0-9/]+\\.(h|cpp)\\b");
+  std::size_t libraries = 0;
+  for (const std::string room : {"datasets", "recorders"}) {
+    const std::string text = contents_of(root / room / "CMakeLists.txt");
+    for (std::sregex_iterator it(text.begin(), text.end(), library), end; it != end; ++it, ++libraries) {
+      const std::string block = it->str();
+      for (std::sregex_iterator file(block.begin(), block.end(), source); file != end; ++file)
+        EXPECT_THAT(contents_of(root / room / file->str()),
+                    testing::Not(testing::ContainsRegex("#include <(fmt|nlohmann|hdf5|opencv2|ceres)")))
+            << room << "/" << file->str();
+    }
+  }
+  EXPECT_EQ(libraries, 5u);
 }
 
 TEST(IncludeArrows, TheTableItselfForbidsWhatTheRoomsMustNotSee) {
