@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recorders/test_source.h"
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -19,6 +20,18 @@ std::vector<std::uint16_t> slope(std::int64_t frame) {
   return depth_mm;
 }
 
+// A person of 1.7 m who faces the sensor with arms that hang: to the left, and up from spine_base, in the
+// order of Joint.
+struct InFront {
+  float left_m, up_m;
+};
+constexpr std::array<InFront, kJointCount> kStanding{
+    {{0.0f, 0.0f},     {0.0f, 0.31f},    {0.0f, 0.6f},    {0.0f, 0.75f},    {0.18f, 0.48f},
+     {0.25f, 0.22f},   {0.28f, -0.02f},  {0.28f, -0.1f},  {-0.18f, 0.48f},  {-0.25f, 0.22f},
+     {-0.28f, -0.02f}, {-0.28f, -0.1f},  {0.08f, -0.04f}, {0.1f, -0.44f},   {0.1f, -0.82f},
+     {0.12f, -0.9f},   {-0.08f, -0.04f}, {-0.1f, -0.44f}, {-0.1f, -0.82f},  {-0.12f, -0.9f},
+     {0.0f, 0.53f},    {0.28f, -0.18f},  {0.24f, -0.14f}, {-0.28f, -0.18f}, {-0.24f, -0.14f}}};
+
 BodyFrame one_body(std::int64_t frame) {
   BodyFrame result;
   result.floor_plane = {0.0f, 1.0f, 0.0f, 1.0f};
@@ -26,7 +39,7 @@ BodyFrame one_body(std::int64_t frame) {
   body.tracking_id = 1;
   const float sway_m = 0.2f * std::sin(0.1f * static_cast<float>(frame));
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    body.position_m[j] = {sway_m, 0.05f * static_cast<float>(j), 2.5f};
+    body.position_m[j] = {sway_m + kStanding[j].left_m, kStanding[j].up_m, 2.5f};
     body.tracking_state[j] = 2;
   }
   result.bodies.push_back(body);
