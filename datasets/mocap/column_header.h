@@ -27,6 +27,7 @@ struct ColumnLayout {
   std::size_t written_columns = 0;  // with the empty ones a spreadsheet adds
   // Tabs stand between the cells, and the header's count of frames is a promise.
   bool tab_separated = false;
+  double time_unit_s = 1.0;  // of the printed times; NaN: they say nothing
 };
 
 struct ColumnHeader {
@@ -62,8 +63,9 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line);
 void read_rows(LineReader& lines, const ColumnLayout& layout, const std::vector<std::size_t>& assets,
                MocapTime until, MocapTake& take);
 
-// Holds the header's rate against the times of the first rows: where they differ by more than rounding, or no
-// rate is stated, the times count, and `taken_as` says so. InputError where there is neither.
-void settle_trc_rate(const std::filesystem::path& path, MocapHeader& header);
+// Holds the header's rate against the times of the first rows. Times in another unit, times that count frames
+// and times that stand still leave the rate as it is; where they differ otherwise by more than rounding, or
+// no rate is stated, the times count. `taken_as` says so. InputError where there is neither.
+void settle_trc_rate(const std::filesystem::path& path, ColumnHeader& columns);
 
 }  // namespace trilat

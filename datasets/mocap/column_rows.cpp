@@ -19,6 +19,19 @@ std::size_t count_fields(std::string_view line) {
   return static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
 }
 
+// What printed times are that run so many times as fast as the frames; empty where it is no unit of theirs.
+std::string time_unit_text(double times_as_fast, double rate_hz) {
+  constexpr double kDiffers = 0.02;
+  const std::pair<double, const char*> units[] = {
+      {1e3, "milliseconds"}, {1e6, "microseconds"}, {1e9, "nanoseconds"}};
+  for (const auto& [per_second, name] : units)
+    if (std::abs(times_as_fast / per_second - 1.0) < kDiffers)
+      return fmt::format(". As {} both agree: divide the times by {:g}", name, per_second);
+  if (std::abs(times_as_fast / rate_hz - 1.0) < kDiffers)
+    return ". As frame numbers both agree: divide the times by the rate";
+  return "";
+}
+
 class RowReader {
  public:
   RowReader(LineReader& lines, const ColumnLayout& layout, const std::vector<std::size_t>& assets,
@@ -56,6 +69,7 @@ class RowReader {
   std::string text_;                 // of a row that had tabs
   std::int64_t rows_ = 0;            // read so far
   std::int64_t previous_index_ = 0;  // of the row before
+  std::int64_t first_missing_ = 0;   // frame that the rows leave out; 0: none
   std::int64_t steps_back_ = 0;      // rows whose frame is before that of the row before
   double first_printed_s_ = kNaN, last_printed_s_ = kNaN;  // of rows that were taken
   double zero_printed_s_ = kNaN;  // printed time of the first frame, from the first row that has one
@@ -104,6 +118,12 @@ std::string_view RowReader::with_commas(std::string_view line) {
 void RowReader::check_promise() {
   const std::int64_t promised = header_.total_exported_frames.value_or(0);
   if (rows_ >= promised) return;
+  if (layout_.tab_separated && previous_index_ - header_.first_frame + 1 == promised)
+    throw InputError(lines_.place(),
+                     fmt::format("has {} of the {} frames that its header promises; the first "
+                                 "that is missing is {}. Write the count that is there, or "
+                                 "rows without positions",
+                                 rows_, promised, first_missing_));
   if (layout_.tab_separated)
     throw InputError(lines_.place(), "the file ends after " + std::to_string(rows_) +
                                          " frames; its header promises " + std::to_string(promised));
@@ -122,13 +142,19 @@ void RowReader::check_order() const {
 void RowReader::check_times() const {
   constexpr std::int64_t kMinRows = 10;
   if (rows_ < kMinRows || 2 * anomalies_.printed_time_differs <= rows_) return;
+  if (last_printed_s_ == first_printed_s_)
+    throw InputError(lines_.place(),
+                     fmt::format("the times of all rows are {:g}; write frame / rate, or leave "
+                                 "them empty: the header states {:.6g} Hz",
+                                 first_printed_s_, header_.export_rate_hz));
   const double rate_hz =
       static_cast<double>(take_.frame.back() - take_.frame.front()) / (last_printed_s_ - first_printed_s_);
   throw InputError(
       lines_.place(),
       fmt::format("the times of {} of {} rows are more than a frame off what frame number and rate "
-                  "give: by the times the rate is {:.6g} Hz, and the header states {:.6g} Hz",
-                  anomalies_.printed_time_differs, rows_, rate_hz, header_.export_rate_hz));
+                  "give: by the times the rate is {:.6g} Hz, and the header states {:.6g} Hz{}",
+                  anomalies_.printed_time_differs, rows_, rate_hz, header_.export_rate_hz,
+                  time_unit_text(header_.export_rate_hz / rate_hz, header_.export_rate_hz)));
 }
 
 // A spreadsheet or script of another locale writes 0,02 for 0.02: then a row has nearly twice the cells.
@@ -182,7 +208,7 @@ void RowReader::read_row(std::string_view line) {
     check_decimal_comma(line);
     ++anomalies_.rows_with_extra_fields;
   }
-  if (!add_time(index, numbers_.back())) return;
+  if (!add_time(index, layout_.time_unit_s * numbers_.back())) return;
   anomalies_.not_finite_cells += not_finite_cells_;
   for (std::size_t i = 0; i < assets_.size(); ++i) take_.position_m[assets_[i]].push_back(position(i));
 }
@@ -236,6 +262,7 @@ bool RowReader::add_time(std::int64_t index, double printed_s) {
     throw InputError(lines_.place(),
                      "the row has no time, and the header states no frame rate to make it from");
   const bool is_first = take_.frame.empty();
+  if (!is_first && index > previous_index_ + 1 && first_missing_ == 0) first_missing_ = previous_index_ + 1;
   steps_back_ += !is_first && index < previous_index_ ? 1 : 0;
   previous_index_ = index;
   if (!is_first && (index <= take_.frame.back() || (rate_uhz_ == 0 && printed_s <= last_printed_s_))) {

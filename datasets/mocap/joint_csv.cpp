@@ -35,7 +35,9 @@ std::vector<std::string> column_names(LineReader& lines) {
   std::string_view line;
   if (!lines.next(line)) return {};
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
-  return split_csv(line);
+  std::vector<std::string> names = split_csv(line);
+  if (joint_columns(names)[0] < names.size()) refuse_lone_returns(line, lines.place());
+  return names;
 }
 
 // The unit of a file's times, in seconds: one, unless the rate would then be none of a camera; milliseconds,

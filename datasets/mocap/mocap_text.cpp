@@ -35,8 +35,11 @@ std::string_view bare(std::string_view text) {
   return text;
 }
 
-// Old C libraries print what is not a number as 1.#IND0000, 1.#QNAN, 1.#INF; some drop the "1.".
+// Old C libraries print what is not a number as 1.#IND0000, 1.#QNAN, 1.#INF; some drop the "1.". The words
+// are those of R, Excel, Python and JavaScript.
 bool spells_not_a_number(std::string_view text) {
+  for (std::string_view word : {"NA", "N/A", "#N/A", "None", "null"})
+    if (text == word) return true;
   if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   if (text.starts_with("1.#")) text.remove_prefix(2);
   for (std::string_view word : {"#IND", "#QNAN", "#SNAN", "#INF"})
@@ -123,6 +126,11 @@ std::vector<std::string> split_csv(std::string_view line) {
   std::vector<std::string> cells = csv_fields(line);
   for (std::string& cell : cells) cell = trimmed(cell);
   return cells;
+}
+
+void refuse_lone_returns(std::string_view first_line, const std::string& place) {
+  if (first_line.substr(0, first_line.find_last_not_of('\r') + 1).find('\r') != std::string_view::npos)
+    throw InputError(place, "ends its lines by carriage returns alone; save it with line feeds");
 }
 
 CellKind parse_cell(std::string_view text, double& value) {

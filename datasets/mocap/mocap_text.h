@@ -96,9 +96,12 @@ Duration duration_of_frames(std::int64_t frames, std::int64_t rate_uhz);
 // The cells of one CSV line, without quotes and the blanks around them.
 std::vector<std::string> split_csv(std::string_view line);
 
+// InputError where a file's lines end as those of old Macs, so that the whole file is its first line.
+void refuse_lone_returns(std::string_view first_line, const std::string& place);
+
 enum class CellKind { number, empty, not_finite, unreadable };
 
-// A data cell with all its spellings: blanks, quotes, NAN, -1.#IND0000, infinity. Anything but a number
+// A data cell with all its spellings: blanks, quotes, NAN, NA, -1.#IND0000, infinity. Anything but a number
 // leaves `value` undefined.
 CellKind parse_cell(std::string_view text, double& value);
 

@@ -91,8 +91,7 @@ bool is_wide_table(const std::vector<std::string>& names) {
     if (line.find(separator) != std::string_view::npos && line.find("time") != std::string_view::npos)
       throw InputError(place, fmt::format("has {} between its cells; save the file with commas",
                                           separator == ';' ? "semicolons" : "tabs"));
-  if (line.find('\r') != std::string_view::npos)
-    throw InputError(place, "ends its lines by carriage returns alone; save it with line feeds");
+  refuse_lone_returns(line, place);
   throw InputError(place, kKnownFormats);
 }
 
@@ -113,12 +112,15 @@ bool is_c3d(const std::filesystem::path& path) {
   return key == kKey && block > 0 && block < ' ';
 }
 
-// Whether the first row of a file is one that Arena, Tracking Tools or Motive before version 1.2 wrote.
+// Whether the first row of a file is one that Arena, Tracking Tools or Motive before version 1.2 wrote; a
+// table may have a column "frame".
 bool is_arena(std::string_view line) {
-  constexpr std::string_view kRows[] = {"comment",   "info",      "righthanded", "lefthanded",
-                                        "trackable", "rigidbody", "frame"};
-  const std::string_view type = line.substr(0, line.find(','));
-  return std::ranges::find(kRows, type.substr(0, type.find_last_not_of(" \t\r") + 1)) != std::end(kRows);
+  constexpr std::string_view kRows[] = {"comment",    "info",      "righthanded",
+                                        "lefthanded", "trackable", "rigidbody"};
+  const std::vector<std::string> cells = split_csv(line);
+  std::int64_t frame = 0;
+  return std::ranges::find(kRows, cells.front()) != std::end(kRows) ||
+         (cells.front() == "frame" && cells.size() > 1 && parse_integer(cells[1], frame));
 }
 
 // The line that makes Motive's CSV of a file in another format.
@@ -137,11 +139,13 @@ ColumnHeader read_header(const std::filesystem::path& path, LineReader& lines) {
   if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
   const std::vector<std::string> names = split_csv(line);
   ColumnHeader columns;
+  if (names.front() == kMotiveStart || is_trc(line) || is_wide_table(names))
+    refuse_lone_returns(line, lines.place());
   if (names.front() == kMotiveStart) {
     columns = read_motive_header(lines, line);
   } else if (is_trc(line)) {
     columns = read_trc_header(lines, line);
-    settle_trc_rate(path, columns.header);
+    settle_trc_rate(path, columns);
   } else if (is_wide_table(names)) {
     refuse_wide_table(names, lines.place());
   } else if (is_arena(line)) {

@@ -96,6 +96,38 @@ void skip_axes(LineReader& lines) {
   if (is_row_of_data) lines.put_back();
 }
 
+struct TimedRow {
+  std::int64_t frame;
+  double time_s;  // in the file's unit
+};
+
+// The first rows of data, up to one whose frame does not advance.
+std::vector<TimedRow> first_rows(const std::filesystem::path& path) {
+  constexpr std::size_t kRows = 300, kBlockBytes = 1 << 20;
+  LineReader lines(path, kBlockBytes);
+  std::vector<TimedRow> rows;
+  bool is_below_names = false;
+  for (std::string_view line; rows.size() < kRows && lines.next(line);) {
+    is_below_names |= line.starts_with("Frame");
+    if (!is_below_names) continue;
+    const Cells cells = tab_cells(line);
+    TimedRow row{};
+    if (cells.size() < kFirst || !parse_integer(cells[0], row.frame) ||
+        parse_cell(cells[1], row.time_s) != CellKind::number)
+      continue;
+    if (!rows.empty() && row.frame <= rows.back().frame) break;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Of the first of them, as many as have times that grow.
+std::size_t count_advancing(const std::vector<TimedRow>& rows) {
+  const auto end = std::ranges::adjacent_find(
+      rows, [](const TimedRow& a, const TimedRow& b) { return a.time_s >= b.time_s; });
+  return end == rows.end() ? rows.size() : static_cast<std::size_t>(end - rows.begin()) + 1;
+}
+
 }  // namespace
 
 bool is_trc(std::string_view first_line) { return first_line.starts_with("PathFileType"); }
@@ -126,38 +158,43 @@ ColumnHeader read_trc_header(LineReader& lines, std::string_view first_line) {
   return result;
 }
 
-void settle_trc_rate(const std::filesystem::path& path, MocapHeader& header) {
-  constexpr std::size_t kRows = 300, kReadBytes = 1 << 20;
-  constexpr double kDiffers = 0.02;
-  LineReader lines(path, kReadBytes);
-  std::vector<std::pair<std::int64_t, double>> rows;  // frame and time
-  bool is_below_names = false;
-  for (std::string_view line; rows.size() < kRows && lines.next(line);) {
-    is_below_names |= line.starts_with("Frame");
-    if (!is_below_names) continue;
-    const Cells cells = tab_cells(line);
-    std::int64_t frame = 0;
-    double time_s = 0.0;
-    if (cells.size() < kFirst || !parse_integer(cells[0], frame) ||
-        parse_cell(cells[1], time_s) != CellKind::number)
-      continue;
-    if (!rows.empty() && (frame <= rows.back().first || time_s <= rows.back().second)) break;
-    rows.emplace_back(frame, time_s);
-  }
+void settle_trc_rate(const std::filesystem::path& path, ColumnHeader& columns) {
+  MocapHeader& header = columns.header;
+  const std::vector<TimedRow> rows = first_rows(path);
   const double stated_hz = header.export_rate_hz;
-  if (rows.size() < 2) {
-    if (std::isnan(stated_hz))
+  const bool is_stated = std::isfinite(stated_hz);
+  const std::size_t advancing = count_advancing(rows);
+  if (advancing < 2) {
+    if (!is_stated)
       throw InputError(path.string(), "states no DataRate of 1 to 9000 Hz, and its rows have no times");
+    if (rows.size() < 2 || rows.front().time_s != rows.back().time_s) return;
+    columns.layout.time_unit_s = kNaN;
+    header.taken_as = fmt::format("its times are all {:g}: its header's rate of {:.4g} Hz counts",
+                                  rows.front().time_s, stated_hz);
     return;
   }
-  const double frames = static_cast<double>(rows.back().first - rows.front().first);
-  const double span_s = rows.back().second - rows.front().second;
-  if (std::abs(stated_hz * span_s / frames - 1.0) <= kDiffers) return;
+  const auto frames = static_cast<double>(rows[advancing - 1].frame - rows[0].frame);
+  const double span = rows[advancing - 1].time_s - rows[0].time_s;
+  const auto fits = [&](double unit_s) {
+    constexpr double kDiffers = 0.02;
+    return std::abs(stated_hz * span * unit_s / frames - 1.0) <= kDiffers;
+  };
+  if (fits(1.0)) return;
+  const std::pair<double, const char*> units[] = {{1e-3, "are milliseconds"},
+                                                  {1e-6, "are microseconds"},
+                                                  {1e-9, "are nanoseconds"},
+                                                  {1.0 / stated_hz, "count frames"}};
+  for (const auto& [unit_s, what] : units)
+    if (is_stated && fits(unit_s)) {
+      columns.layout.time_unit_s = unit_s;
+      header.taken_as = fmt::format("its times {}: its header's rate of {:.4g} Hz counts", what, stated_hz);
+      return;
+    }
   header.export_rate_hz = kNaN;
-  const double rate_hz = static_cast<double>(rows.size() - 1) / span_s;
-  header.taken_as = fmt::format(
-      "its rows are {:.4g} s apart, {:.4g} Hz, and its header states {}: the times count", 1.0 / rate_hz,
-      rate_hz, std::isnan(stated_hz) ? "no rate" : fmt::format("{:.4g} Hz", stated_hz));
+  const double rate_hz = static_cast<double>(advancing - 1) / span;
+  header.taken_as =
+      fmt::format("its rows are {:.4g} s apart, {:.4g} Hz, and its header states {}: the times count",
+                  1.0 / rate_hz, rate_hz, is_stated ? fmt::format("{:.4g} Hz", stated_hz) : "no rate");
 }
 
 }  // namespace trilat

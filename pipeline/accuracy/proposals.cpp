@@ -122,6 +122,16 @@ std::string of_side(std::string name, bool right) {
   return name;
 }
 
+// Whether a name is this plain one, with a prefix ("Ann:wrist_left") or without.
+bool is_called(const std::string& name, const std::string& plain) {
+  constexpr const char* kSeparators = ":_. ";
+  for (std::size_t begin = 0; begin < name.size();) {
+    if (plain_name(name.substr(begin)) == plain) return true;
+    begin = std::min(name.find_first_of(kSeparators, begin), name.size() - 1) + 1;
+  }
+  return false;
+}
+
 // The asset that is called so; several, of two persons, are none.
 std::optional<std::size_t> asset_called(const MocapHeader& header, const std::string& name,
                                         const std::function<bool(AssetType)>& is_type) {
@@ -129,8 +139,7 @@ std::optional<std::size_t> asset_called(const MocapHeader& header, const std::st
   for (std::size_t i = 0; i < header.assets.size(); ++i) {
     const MocapAsset& asset = header.assets[i];
     if (!asset.has_position || !is_type(asset.type)) continue;
-    const std::string last = asset.name.substr(asset.name.find_last_of(":_. ") + 1);
-    if (plain_name(asset.name) != name && plain_name(last) != name) continue;
+    if (!is_called(asset.name, name)) continue;
     if (found) return std::nullopt;
     found = i;
   }

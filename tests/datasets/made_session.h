@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "datasets/base/files.h"
+#include "datasets/session/event_log.h"
 #include "datasets/session/session_types.h"
 
 namespace trilat {
@@ -106,6 +107,11 @@ inline Body standing_body() {
     body.tracking_state[j] = 2;
   }
   return body;
+}
+
+// Returns the head of a recorder's log, whose `id` differs from log to log.
+inline LogHead head_with(SessionHeader session, std::uint64_t id = 7) {
+  return {id, 0, 5'000'000'000, 0, "", std::move(session)};
 }
 
 }  // namespace trilat

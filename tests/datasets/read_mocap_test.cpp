@@ -7,68 +7,15 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/base/error.h"
 #include "datasets/mocap/mocap_text.h"
-#include "tests/datasets/temporary_file.h"
+#include "tests/datasets/motive_texts.h"
 #include "tests/support/scratch.h"
-#include "tests/support/whole_take.h"
 
 namespace trilat {
 namespace {
 
-using testing::AllOf;
+using namespace motive;
 using testing::HasSubstr;
-using testing::Not;
-
-std::string keys(const std::string& version, const std::string& unit = "Meters") {
-  return "Format Version," + version +
-         ",Take Name,walk,Take Notes,,Capture Frame Rate,100.000000,Export Frame Rate,100.000000,Capture "
-         "Start Time,2024-05-01 10.00.00.000 DU.,Total Frames in Take,9,Total Exported Frames,9,Rotation "
-         "Type,Quaternion,Length Units," +
-         unit + ",Coordinate Space,Global\n";
-}
-
-std::string repeat(const std::string& text, int count) {
-  std::string result;
-  for (int i = 0; i < count; ++i) result += text;
-  return result;
-}
-
-// A rigid body with an error column, and a marker of the same name.
-const std::string kHeadings = ",Type" + repeat(",Rigid Body", 8) + repeat(",Marker", 3) + "\n,Name" +
-                              repeat(",Wand", 11) + "\n,ID" + repeat(",\"1F\"", 8) + repeat(",\"2A:77\"", 3) +
-                              "\n,,Rotation,Rotation,Rotation,Rotation," +
-                              "Position,Position,Position,Mean Marker Error" + repeat(",Position", 3) +
-                              "\nFrame,Time (Seconds),X,Y,Z,W,X,Y,Z,,X,Y,Z\n";
-const std::string kRows =
-    "0,0.000000,0,0,0,1,1.5,2.5,-3.5,0.0001,4,5,6\n"
-    "1,0.010000,0,0,0,1,1.6,2.5,-3.5,0.0001,,,\n"
-    "2,0.020000,,,,,,,,,4,5,7\n";
-
-const std::string kMarkerHeadings =
-    ",Type,Marker,Marker,Marker\n,Name,a,a,a\n,ID,\"1\",\"1\",\"1\"\n,,Position,Position,Position\n"
-    "Frame,Time (Seconds),X,Y,Z\n";
-
-WholeTake read(const std::string& text) { return whole_take(TemporaryFile(text).path()); }
-
-struct Refusal {
-  std::string place;
-  std::string problem;
-};
-
-Refusal csv_refusal(const std::string& text) {
-  const TemporaryFile file(text);
-  try {
-    whole_take(file.path());
-  } catch (const InputError& error) {
-    const std::string& place = error.place();
-    const std::size_t size = file.path().string().size();
-    if (place.starts_with(file.path().string()))
-      return {std::string("F").append(place, size), error.problem()};
-    return {place, error.problem()};
-  }
-  return {"", "was read"};
-}
 
 void expect_wand(const WholeTake& take) {
   ASSERT_EQ(take.header.assets.size(), 2u);
@@ -251,146 +198,12 @@ TEST(ReadMocap, KeepsTwoAssetsOfOneTypeAndNameApart) {
   EXPECT_THROW(find_asset(take.header, "marker:a#2", "map"), InputError);
 }
 
-TEST(ReadMocap, TreatsEverySpellingOfNoNumberAsMissing) {
-  const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
-                              "0,0,NAN,nan,NaN\n1,0.01,-1.#IND0000,#IND,1.#QNAN\n"
-                              "2,0.02,inf,-Infinity,1.#INF\n3,0.03, 1 ,\"2\",+3e0\n");
-  for (int i = 0; i < 3; ++i)
-    EXPECT_FALSE(take.frames.at(static_cast<std::size_t>(i)).poses[0].has_position());
-  EXPECT_EQ(take.frames.at(3).poses[0].position_m, Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(take.anomalies.not_finite_cells, 9);
-}
-
-TEST(ReadMocap, DropsHalfAPositionAndCountsIt) {
-  const WholeTake take =
-      read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,,1,1,2,3,,4,,6\n1,0.01,0,0,0,2,1,2,3,,4,5,6\n");
-  EXPECT_TRUE(take.frames.at(0).poses[0].has_position());
-  EXPECT_FALSE(take.frames[0].poses[1].has_position());
-  EXPECT_EQ(take.anomalies.partial_poses, 1);
-}
-
-TEST(ReadMocap, RotationsAreNotReadAndAssetsWithNothingElseHaveNoPosition) {
-  const WholeTake take =
-      read(keys("1.23") + "\n,Type" + repeat(",Bone", 3) + "\n,Name" + repeat(",b", 3) + "\n,ID" +
-           repeat(",1", 3) + "\n,,Rotation,Rotation,Rotation\nFrame,Time (Seconds),X,Y,Z\n0,0,a,b,c\n");
-  ASSERT_EQ(take.header.assets.size(), 1u);
-  EXPECT_FALSE(take.header.assets[0].has_position);
-  EXPECT_FALSE(take.frames.at(0).poses[0].has_position());
-}
-
-TEST(ReadMocap, RefusesTheRowsOfArenaWithTheLineThatConvertsThem) {
-  for (const char* first : {"comment,\"own\"", "righthanded", "info,version,1.1", "frame,0,0,0,0"})
-    EXPECT_THAT(csv_refusal(std::string(first) + "\n").problem,
-                AllOf(HasSubstr("in the rows of Arena"), HasSubstr("python3 -m trilat.convert arena "),
-                      HasSubstr(".motive.csv")));
-}
-
-TEST(ReadMocap, LivesWithCutAndOverlongRows) {
-  const WholeTake take =
-      read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,2,3\n1,0.01,0,0,0,1,1,2,3,,4,5,6,7\n2,0.02\n\n");
-  ASSERT_EQ(take.frames.size(), 3u);
-  EXPECT_EQ(take.frames[0].poses[0].position_m, Eigen::Vector3d(1, 2, 3));
-  EXPECT_FALSE(take.frames[0].poses[1].has_position());
-  EXPECT_EQ(take.frames[1].poses[1].position_m, Eigen::Vector3d(4, 5, 6));
-  EXPECT_FALSE(take.frames[2].poses[0].has_position());
-  EXPECT_EQ(take.anomalies.rows_with_extra_fields, 1);
-}
-
-// Without a rate in the header the printed times are all there is.
-TEST(ReadMocap, DropsRowsWhoseTimeDoesNotAdvanceWhereTimesAreAllThereIs) {
-  std::string head = keys("1.23");
-  for (const std::string key : {"Capture Frame Rate", "Export Frame Rate"})
-    if (const std::size_t at = head.find(key); at != std::string::npos)
-      head.erase(at, head.find(',', head.find(',', at) + 1) + 1 - at);
-  const WholeTake take =
-      read(head + "\n" + kMarkerHeadings + "0,0,1,2,3\n1,0.01,1,2,4\n2,0.01,9,9,9\n3,0.02,1,2,5\n");
-  ASSERT_EQ(take.frames.size(), 3u);
-  EXPECT_EQ(take.frames[2].poses[0].position_m.z(), 5.0);
-  EXPECT_EQ(take.anomalies.repeated_frames, 1);
-}
-
-TEST(ReadMocap, DropsRowsWhoseFrameDoesNotAdvance) {
-  const WholeTake take = read(keys("1.23") + "\n" + kMarkerHeadings +
-                              "3,0,1,2,3\n3,0,9,9,9\n4,0.01,1,2,4\n2,0,9,9,9\n5,0.02,1,2,5\n");
-  ASSERT_EQ(take.frames.size(), 3u);
-  EXPECT_EQ(take.frames[2].poses[0].position_m.z(), 5.0);
-  EXPECT_EQ(take.anomalies.repeated_frames, 2);
-}
-
-TEST(ReadMocap, DoesNotTrustTheRowInWhichTheFileEnds) {
-  const std::string whole = keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n";
-  EXPECT_FALSE(read(whole).anomalies.truncated_last_row);
-  const WholeTake cut = read(whole + "1,0.01,1,2");
-  EXPECT_EQ(cut.frames.size(), 1u);
-  EXPECT_TRUE(cut.anomalies.truncated_last_row);
-  const WholeTake cut_in_number = read(whole + "1,0.01,1,2,-");
-  ASSERT_EQ(cut_in_number.frames.size(), 2u);
-  EXPECT_FALSE(cut_in_number.frames[1].poses[0].has_position());
-  EXPECT_TRUE(cut_in_number.anomalies.truncated_last_row);
-  EXPECT_EQ(read(keys("1.23") + "\n" + kMarkerHeadings + "12").frames.size(), 0u);
-  EXPECT_EQ(read(keys("1.23") + "\n" + kMarkerHeadings + "12,0,1,2,3").frames.at(0).time.ns, 0);
-}
-
 TEST(ReadMocap, ReadsOnlyWhatIsWanted) {
   const TemporaryFile file(keys("1.23") + "\n" + kHeadings + "0,0,x,x,x,x,x,x,x,x,4,5,6\n");
   const MocapTake take = read_mocap(file.path(), {.assets = {{1}}});
   ASSERT_EQ(take.position_m.size(), 2u);
   EXPECT_TRUE(take.position_m[0].empty());
   EXPECT_EQ(take.position_m[1], std::vector{Eigen::Vector3d(4, 5, 6)});
-}
-
-TEST(ReadMocap, NamesTheLineAndTheAssetOfABadCell) {
-  const Refusal text = csv_refusal(keys("1.23") + "\n" + kHeadings + kRows + "3,0.03,0,0,0,1,1,abc,3\n");
-  EXPECT_EQ(text.place, "F:11");
-  EXPECT_THAT(text.problem,
-              AllOf(HasSubstr("column 8"), HasSubstr("rigid_body:Wand, position Y"), HasSubstr("\"abc\"")));
-  const Refusal far = csv_refusal(keys("1.23") + "\n" + kHeadings + "0,0,0,0,0,1,1,1,1,,4,5,1001\n");
-  EXPECT_EQ(far.place, "F:8");
-  EXPECT_THAT(far.problem, AllOf(HasSubstr("marker:Wand, position Z"), HasSubstr("100 m")));
-  const Refusal frame = csv_refusal(keys("1.23") + "\n" + kHeadings + "0.5,0,0,0,0,1,1,1,1\n");
-  EXPECT_EQ(frame.place, "F:8");
-  EXPECT_THAT(frame.problem, HasSubstr("frame number"));
-  EXPECT_THAT(csv_refusal(keys("1.23") + "\n" + kMarkerHeadings + "0,1e300,1,2,3\n").problem,
-              HasSubstr("column 2 (time)"));
-}
-
-TEST(ReadMocap, SaysWhichHeaderValueIsWrong) {
-  const Refusal unit = csv_refusal(keys("1.23", "Furlongs") + "\n" + kHeadings);
-  EXPECT_EQ(unit.place, "F:1");
-  EXPECT_THAT(unit.problem, AllOf(HasSubstr("\"Length Units\" is \"Furlongs\""), HasSubstr("Feet")));
-  std::string rate = keys("1.23");
-  rate.replace(rate.find("Export Frame Rate,100"), 21, "Export Frame Rate,-10");
-  EXPECT_THAT(csv_refusal(rate + "\n" + kHeadings).problem, HasSubstr("Export Frame Rate"));
-}
-
-TEST(ReadMocap, RefusesPositionColumnsThatAreNotComplete) {
-  const Refusal refusal = csv_refusal(
-      keys("1.23") +
-      "\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n,,Position,Position\nFrame,Time (Seconds),X,Y\n0,0,1,2\n");
-  EXPECT_EQ(refusal.place, "F:7");
-  EXPECT_THAT(refusal.problem, HasSubstr("marker \"a\""));
-}
-
-TEST(ReadMocap, RefusesWhatIsNoExportWithOneClearMessage) {
-  EXPECT_EQ(csv_refusal("").place, "F:1");
-  EXPECT_THAT(csv_refusal("").problem, HasSubstr("empty"));
-  for (const std::string& text : {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12),
-                                  std::string(5000, '\0'), std::string("HIERARCHY\nROOT Hips\n")}) {
-    EXPECT_EQ(csv_refusal(text).place, "F:1");
-    EXPECT_THAT(csv_refusal(text).problem,
-                testing::ContainsRegex("is neither motion capture|is HDF5|is text in UTF-16|is BVH"));
-  }
-  EXPECT_THAT(csv_refusal("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
-  EXPECT_THAT(csv_refusal("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));
-  EXPECT_THAT(csv_refusal(keys("1.23") + "\n0,0,1\n").problem, HasSubstr("Frame,Time"));
-  EXPECT_THROW(read_mocap("/nowhere/take.csv"), InputError);
-}
-
-TEST(ReadMocap, RefusesALineThatNeverEnds) {
-  const Refusal refusal =
-      csv_refusal(keys("1.23") + "\n" + kMarkerHeadings + "0,0,1,2,3\n" + std::string(18u << 20, '1') + "\n");
-  EXPECT_EQ(refusal.place, "F:9");
-  EXPECT_THAT(refusal.problem, HasSubstr("16 MiB"));
 }
 
 TEST(ReadMocap, PlainDecimalsAreReadAsTheLibraryReadsThem) {
@@ -435,58 +248,6 @@ TEST(ReadMocap, ReadsTheSameInBlocksOfAnySize) {
     for (const std::size_t block_bytes : {1u, 2u, 3u, 7u, 64u, 1000u})
       expect_same(read_in_blocks(text, block_bytes), whole);
   }
-}
-
-TEST(MocapAssets, AreFoundByNameAndTypeAndListedWhenNot) {
-  const MocapHeader header = read(keys("1.23") + "\n" + kHeadings + kRows).header;
-  EXPECT_EQ(find_asset(header, "rigid_body:Wand", "map.json /head"), 0u);
-  EXPECT_EQ(find_asset(header, "marker:Wand", "map.json /head"), 1u);
-  EXPECT_EQ(find_asset(header, "Wand#2A:77", "map.json /head"), 1u);
-  try {
-    find_asset(header, "Wand", "map.json /head");
-    FAIL() << "an ambiguous name was taken";
-  } catch (const InputError& error) {
-    EXPECT_EQ(error.place(), "map.json /head");
-    EXPECT_THAT(error.problem(), HasSubstr("rigid_body:Wand, marker:Wand"));
-  }
-  try {
-    find_asset(header, "Wind", "map.json /head");
-    FAIL() << "an unknown name was taken";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.problem(),
-                AllOf(HasSubstr("\"Wind\""), HasSubstr("rigid_body:Wand"), Not(HasSubstr("more"))));
-  }
-}
-
-TEST(MocapAssets, ALongListIsCut) {
-  MocapHeader header;
-  for (int i = 0; i < 27; ++i)
-    header.assets.push_back({.type = AssetType::marker,
-                             .name = std::string("m").append(std::to_string(i)),
-                             .id = {},
-                             .parent = {}});
-  try {
-    find_asset(header, "x", "map");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.problem(), AllOf(HasSubstr("marker:m19 and 7 more"), Not(HasSubstr("m20"))));
-  }
-}
-
-// Bones of a local export are relative to their parents; its markers and rigid bodies are not.
-TEST(MocapHeader, BonesOfALocalExportAreNoPlaces) {
-  const auto refused = [](AssetType type, const char* space) {
-    MocapHeader header;
-    header.coordinate_space = space;
-    header.assets = {{type, "a", "", "", true}};
-    return message_of([&] { assets_of_joint(header, {"a"}, "mapping.json /joints/head"); });
-  };
-  for (const AssetType type : {AssetType::bone, AssetType::bone_marker}) {
-    EXPECT_THAT(refused(type, "Local"), HasSubstr("relative to its parent"));
-    EXPECT_EQ(refused(type, "Global"), "no error");
-  }
-  for (const AssetType type : {AssetType::marker, AssetType::rigid_body, AssetType::rigid_body_marker})
-    EXPECT_EQ(refused(type, "Local"), "no error");
 }
 
 }  // namespace

@@ -171,6 +171,58 @@ TEST(TrcReader, TimesInTheFileWinOverARateThatContradictsThem) {
   EXPECT_EQ(rounded.header.taken_as, "");
 }
 
+// The rate of 100 Hz that the header states counts.
+TEST(TrcReader, TimesInAnotherUnitOrThatSayNothingAreSaid) {
+  const auto said = [](const std::function<std::pair<int, double>(int)>& frame_and_time) {
+    const WholeTake take = marker_take(made_rows(40, frame_and_time));
+    EXPECT_EQ(take.frames.size(), 40u);
+    EXPECT_EQ((take.frames[3].time - take.frames[0].time).ns, 30'000'000);
+    EXPECT_EQ(take.anomalies.printed_time_differs, 0);
+    return take.header.taken_as;
+  };
+  EXPECT_EQ(said([](int i) {
+              return std::pair{i + 1, 10.0 * i};
+            }),
+            "its times are milliseconds: its header's rate of 100 Hz counts");
+  EXPECT_EQ(said([](int i) {
+              return std::pair{i + 1, 1e4 * i + 5e6};
+            }),
+            "its times are microseconds: its header's rate of 100 Hz counts");
+  EXPECT_EQ(said([](int i) {
+              return std::pair{i + 1, 1e7 * i};
+            }),
+            "its times are nanoseconds: its header's rate of 100 Hz counts");
+  EXPECT_EQ(said([](int i) {
+              return std::pair{i + 1, 1.0 + i};
+            }),
+            "its times count frames: its header's rate of 100 Hz counts");
+  EXPECT_EQ(said([](int i) {
+              return std::pair{i, i + 500.0};
+            }),
+            "its times count frames: its header's rate of 100 Hz counts");
+  EXPECT_EQ(said([](int i) {
+              return std::pair{i + 1, 0.0};
+            }),
+            "its times are all 0: its header's rate of 100 Hz counts");
+}
+
+TEST(TrcReader, FramesThatAreMissingAmidAFileAreNoEarlyEnd) {
+  const auto holed = [](int first, int from, int count) {
+    std::string text = made_rows(60, [first](int i) { return std::pair{i + first, 0.01 * i}; });
+    const auto at = [&](int frame) { return text.find(fmt::format("\n{}\t", frame)) + 1; };
+    text.erase(at(from), at(from + count) - at(from));
+    return marker_refusal(text);
+  };
+  EXPECT_THAT(holed(1, 21, 15),
+              HasSubstr("has 45 of the 60 frames that its header promises; the first that is "
+                        "missing is 21. Write the count"));
+  EXPECT_THAT(holed(100, 130, 1), HasSubstr("has 59 of the 60 frames"));
+  EXPECT_THAT(holed(100, 130, 1), HasSubstr("the first that is missing is 130"));
+  const std::string text = made_rows(60, [](int i) { return std::pair{i + 1, 0.01 * i}; });
+  EXPECT_THAT(marker_refusal(text.substr(0, text.find("\n50\t") + 1)),
+              HasSubstr("the file ends after 49 frames"));
+}
+
 TEST(TrcReader, RefusesTimesThatDriftAwayFromTheRate) {
   EXPECT_THAT(
       marker_refusal(made_rows(2000,
@@ -225,6 +277,14 @@ TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
        "has three columns a joint (frame, nose_x, nose_y, nose_z, ...)"},
       {"time_s,HipX,HipY,HipZ\n0,1,2,3\n", "has three columns a joint"},
       {"seconds,who\r1,2\r", "ends its lines by carriage returns alone"},
+      {"Format Version,1.23,Take Name,walk\r\r,Type,Marker\r", "ends its lines by carriage returns alone"},
+      {"PathFileType\t4\t(X/Y/Z)\twalk.trc\rDataRate\tCameraRate\r",
+       "ends its lines by carriage returns alone"},
+      {"time_s,joint,x_m,y_m,z_m\r0,head,1,2,3\r", "ends its lines by carriage returns alone"},
+      {"time_s,HipX,HipY,HipZ\r0,1,2,3\r", "ends its lines by carriage returns alone"},
+      {"frame,joint,x_m,y_m,z_m\n0,head,1,2,3\n",
+       "a CSV of joints, whose first row is time_s,joint,x_m,y_m,z_m"},
+      {"frame,time,hip\n0,0,1\n", "a CSV of joints, whose first row is time_s,joint,x_m,y_m,z_m"},
       {"hello\n", "is neither motion capture (Motive's CSV"}};
   for (const auto& [text, said] : files) EXPECT_THAT(marker_refusal(text), HasSubstr(said));
 }

@@ -256,6 +256,8 @@ class Compare(Compared):
         self.assertIn('bad.csv:2: z_m is "three", which is not a number', self.compared(self.folder / "bad.csv", code=2))
         (self.folder / "short.csv").write_text("time_s,joint,x_m,y_m\n0,head,1,2\n")
         self.assertIn("short.csv:1: has no column z_m", self.compared(self.folder / "short.csv", code=2))
+        (self.folder / "mac.csv").write_bytes(b"time_s,joint,x_m,y_m,z_m\r0,head,1,2,3\r")
+        self.assertIn("mac.csv:1: ends its lines by carriage returns alone", self.compared(self.folder / "mac.csv", code=2))
         (self.folder / "far.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1700,2,3\n")
         self.assertIn("far.csv:2: head is more than 100 m; have the numbers another unit", self.compared(self.folder / "far.csv", code=2))
         (self.folder / "two.csv").write_text("time_s,joint,x_m,y_m,z_m\n0,head,1,2,3\n0,head,2,2,3\n")
@@ -290,6 +292,16 @@ class Compare(Compared):
         library.write_joints(self.folder / "openpose.trc", self.time_s, {called[key]: self.truth[key] for key in called})
         self.compared(self.folder / "openpose.trc")
         self.assertEqual({c["group"] for c in cells(self.folder / "results")}, {"head", "knee", "ankle", "average"})
+
+    def test_a_subject_before_the_names_changes_nothing_and_two_subjects_are_told_apart(self):
+        def written(file, *subjects):
+            library.write_joints(self.folder / file, self.time_s, {subject + key: at for subject in subjects for key, at in self.truth.items()})
+            return self.folder / file
+        for truth, mine in (([""], ["Ann:"]), (["Ann:"], [""]), (["Ann:"], ["Skeleton 001:"]), (["Ann:", "Bob:"], ["Ann:"]), (["Ann:"], ["Bob:", "Ann:"])):
+            with self.subTest(f"{truth} {mine}"):
+                said = trilat("compare", written("truth.trc", *truth), written("mine.trc", *mine), "-o", self.folder / "results", "--force")
+                self.assertIn(f"joints of {len(NAMES)}", said)
+                self.assertEqual("not compared" in said, len(mine) == 2)
 
     @unittest.skipUnless(OPENSIM.exists(), f"{OPENSIM} is not there")
     def test_a_real_trc_against_itself_has_the_shift_and_turn_that_were_put_in(self):

@@ -67,6 +67,20 @@ const NamedPoint* find_point(const NamedPoints& points, const std::string& name)
   return alike == points.end() ? nullptr : &*alike;
 }
 
+// "Ann:LASI" -> "lasi".
+std::string without_subject(const std::string& name) { return plain_name(name.substr(name.rfind(':') + 1)); }
+
+// The point whose name differs in the subject before the colon; none where that tells persons apart.
+const NamedPoint* find_point_of_subject(const NamedPoints& points, const std::vector<std::string>& names,
+                                        const std::string& name) {
+  const std::string wanted = without_subject(name);
+  const auto of_point = [](const NamedPoint& point) { return without_subject(point.name); };
+  if (std::ranges::count(names, wanted, without_subject) != 1 ||
+      std::ranges::count(points, wanted, of_point) != 1)
+    return nullptr;
+  return &*std::ranges::find(points, wanted, of_point);
+}
+
 // The points of a file that have these names: by its mapping; else by its own names, or the joints that these
 // stand for.
 NamedPoints points_called(const ExternalJoints& joints, const MocapHeader& header,
@@ -78,6 +92,7 @@ NamedPoints points_called(const ExternalJoints& joints, const MocapHeader& heade
     const NamedPoint* point = find_point(own, name);
     if (point && joints.mapping.empty()) refuse_doubled(header, point->name, joints.file.string());
     if (!point) point = find_point(told, name);
+    if (!point) point = find_point_of_subject(own, names, name);
     if (point) points.push_back({name, point->assets});
   }
   return points;
