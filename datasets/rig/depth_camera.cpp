@@ -77,7 +77,6 @@ std::optional<Eigen::Vector2d> ray_through(const DepthIntrinsics& in, const Eige
   for (int step = 0; step < 50; ++step) {
     Eigen::Matrix2d jacobian;
     const Eigen::Vector2d residual = distort(in, normalised, &jacobian) - target;
-    if (!(std::abs(jacobian.determinant()) > 1e-6)) return std::nullopt;
     normalised -= jacobian.inverse() * residual;
     if (!(normalised.norm() <= kMaxNormalisedRadius)) return std::nullopt;
     if (residual.norm() < 1e-13) return Eigen::Vector2d(normalised.x(), -normalised.y());

@@ -72,6 +72,8 @@ TEST(StrictJson, TheNearestNameIsSuggestedAndAFarOneIsNot) {
   EXPECT_EQ(nearest_name("rn", verbs), "run");
   EXPECT_EQ(nearest_name("rnu", verbs), "run");  // exchanged letters count once
   EXPECT_EQ(nearest_name("Merge", verbs), "merge");
+  EXPECT_EQ(nearest_name(std::string(100, 'a'), {std::string(99, 'a')}), std::string(99, 'a'));
+  EXPECT_EQ(nearest_name(std::string(101, 'a'), {std::string(100, 'a')}), "");  // no word
   EXPECT_EQ(nearest_name("reocrd", verbs), "record");
   EXPECT_EQ(nearest_name("levitate", verbs), "");
   EXPECT_EQ(nearest_name("", verbs), "");

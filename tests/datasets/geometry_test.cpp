@@ -77,6 +77,23 @@ TEST(DepthCamera, IsBelievedToTheLimitsThatAreStated) {
   }
 }
 
+TEST(DepthCamera, ImagesHaveSixteenTo8192PixelsASide) {
+  const auto problem = [](int width_px, int height_px) {
+    DepthIntrinsics in;
+    in.width_px = width_px, in.height_px = height_px;
+    in.fx_px = in.fy_px = width_px, in.cx_px = 0.5 * width_px, in.cy_px = 0.5 * height_px;
+    return problem_with(in);
+  };
+  for (const int size_px : {16, 8192}) {
+    EXPECT_EQ(problem(size_px, 424), "");
+    EXPECT_EQ(problem(512, size_px), "");
+  }
+  for (const int size_px : {15, 8193}) {
+    EXPECT_EQ(problem(size_px, 424), "has an image size outside 16 to 8192 pixels");
+    EXPECT_EQ(problem(512, size_px), "has an image size outside 16 to 8192 pixels");
+  }
+}
+
 TEST(DepthCamera, RayUndoesProjectionAllOverTheImage) {
   DepthIntrinsics in;
   in.p1 = 1e-3;

@@ -153,6 +153,23 @@ TEST(HostileHdf5, OtherTypesAndRanksAreRefused) {
   }
 }
 
+TEST(HostileHdf5, WhatIsWantedAndWhatIsThereIsSaidWithTypeAndShape) {
+  const ScratchFolder folder;
+  H5File file = H5File::create(folder / "some.h5");
+  file.create_table("numbers", H5Type::f32, {25, 3}, {}, 2);
+  file.create_group("parts");
+  const auto asked = [&](const char* name, H5Type type, const std::vector<std::uint64_t>& shape) {
+    return message_of([&] { static_cast<void>(file.table(name, type, shape)); });
+  };
+  EXPECT_EQ(asked("numbers", H5Type::f32, {25, 3}), "no error");
+  EXPECT_THAT(asked("numbers", H5Type::i64, {25, 3}),
+              HasSubstr("some.h5:/numbers: int64 (N, 25, 3) is wanted, float32 (N, 25, 3) is there"));
+  EXPECT_THAT(asked("numbers", H5Type::f32, {4}),
+              HasSubstr("float32 (N, 4) is wanted, float32 (N, 25, 3) is there"));
+  EXPECT_THAT(asked("parts", H5Type::u8, {}), HasSubstr("some.h5:/parts: is not a dataset"));
+  EXPECT_THAT(asked("absent", H5Type::u8, {}), HasSubstr("some.h5:/absent: is missing"));
+}
+
 TEST(HostileHdf5, AnAttributeOfManyMegabytesIsRefused) {
   const ScratchFolder folder;
   const auto path = sound_session(folder);

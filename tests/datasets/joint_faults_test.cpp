@@ -66,6 +66,18 @@ TEST(JointFaults, ASoundPersonOfAnySizeHasNone) {
   EXPECT_EQ(text_of([](Body& body) { body.position_m.fill({}), body.tracking_state.fill(0); }), "");
 }
 
+// Of joints that are not tracked positions say nothing, however far from the others they lie.
+TEST(JointFaults, BonesToJointsThatAreNotSeenDoNotCount) {
+  EXPECT_EQ(text_of([](Body& body) {
+              for (const Joint joint : {Joint::spine_mid, Joint::elbow_left, Joint::elbow_right,
+                                        Joint::knee_left, Joint::knee_right, Joint::spine_shoulder}) {
+                body.position_m[static_cast<std::size_t>(joint)] = {3.0F, 3.0F, 3.0F};
+                body.tracking_state[static_cast<std::size_t>(joint)] = 0;
+              }
+            }),
+            "");
+}
+
 TEST(JointFaults, PositionsInAnotherUnitAreNamedByIt) {
   EXPECT_EQ(text_of(scaled(1000.0F)),
             "1000 of 1000 joints lie farther than 10 m of the sensor and count as not seen; taken as "

@@ -99,6 +99,22 @@ TEST(JointFiles, WhatIsNotKnownOfAJointIsLeftOut) {
   EXPECT_THAT(read_file(folder / "walk.csv"), HasSubstr("\n1,2.000000,Head,,1.000000,2.000000,3.000000,\n"));
 }
 
+TEST(JointFiles, FramesThatDoNotFollowEachOtherAtTheRateAreABug) {
+  const ScratchFolder folder;
+  const auto written = [&](double late) {
+    JointTrack track = track_of(3);
+    track.next = [late, i = std::int64_t{0}](JointFrame& frame) mutable {
+      frame = joint_frame(i);
+      if (i++ == 2) frame.time_s += 0.04 * late;
+    };
+    write_trc(folder / "joints.trc", track);
+  };
+  EXPECT_NO_THROW(written(0.45));
+  for (const double late : {0.6, -0.6})
+    EXPECT_THAT([&] { written(late); },
+                testing::ThrowsMessage<InternalError>(HasSubstr("frames follow each other at the rate")));
+}
+
 TEST(JointFiles, ATrackThatFailsLeavesNoFile) {
   const ScratchFolder folder;
   const JointTrack track{{"Head"}, 25.0, 1, [](JointFrame&) { throw InputError("x", "y"); }};

@@ -84,6 +84,17 @@ TEST(MocapSummary, MeasuresTheRateWhenNoneIsStated) {
   EXPECT_NEAR(summarize_mocap(three).rate_hz, 100.0, 1e-9);
 }
 
+// An asset that is seen for half of a walk stands where it is about the others, not where the walk was then.
+TEST(MocapSummary, SpreadsAssetsAboutTheirMiddleInEachFrame) {
+  MocapTake take = take_at({0, 1, 2, 3}, {});
+  take.header.assets.push_back(take.header.assets[0]);
+  take.position_m = {{at(0.0), at(2.0), at(4.0), at(6.0)}, {at(0.0), at(2.0), kNowhere, kNowhere}};
+  for (int frame : {0, 1}) take.position_m[1][static_cast<std::size_t>(frame)].y() += 1.0;
+  const LikelyUp up = likely_up(summarize_mocap(take));
+  EXPECT_TRUE(up.spread_m.isApprox(Eigen::Vector3d(0.0, 0.75, 0.0))) << up.spread_m.transpose();
+  EXPECT_EQ(up.axis, 'y');
+}
+
 TEST(MocapSummary, SeparatesSamplesFromMissing) {
   Positions position_m = moving(3);
   append(position_m, 4, kNowhere);

@@ -27,6 +27,15 @@ TEST(ReadMocap, TreatsEverySpellingOfNoNumberAsMissing) {
   EXPECT_EQ(take.anomalies.not_finite_cells, 15);
 }
 
+// A quote amid a cell is an inch sign; one at its start holds commas and line ends.
+TEST(ReadMocap, QuotesInNotesOpenNoCellUnlessTheyBeginIt) {
+  for (const char* notes : {"a ball of 3\" on a stick", "\"say \"\"go\"\", then\nwalk\"", "\"\""}) {
+    std::string text = keys("1.23");
+    text.replace(text.find("Take Notes,,"), 12, std::string("Take Notes,") + notes + ",");
+    EXPECT_EQ(read(text + "\n" + kHeadings + kRows).frames.size(), 3u) << notes;
+  }
+}
+
 TEST(ReadMocap, DropsHalfAPositionAndCountsIt) {
   const WholeTake take =
       read(keys("1.23") + "\n" + kHeadings + "0,0,0,0,,1,1,2,3,,4,,6\n1,0.01,0,0,0,2,1,2,3,,4,5,6\n");

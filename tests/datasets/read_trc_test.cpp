@@ -276,6 +276,7 @@ TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
       {"frame,nose_x,nose_y,nose_z\n0,1,2,3\n",
        "has three columns a joint (frame, nose_x, nose_y, nose_z, ...)"},
       {"time_s,HipX,HipY,HipZ\n0,1,2,3\n", "has three columns a joint"},
+      {"time_s,aX,aY,aZ\n0,1,2,3\n", "has three columns a joint"},
       {"seconds,who\r1,2\r", "ends its lines by carriage returns alone"},
       {"Format Version,1.23,Take Name,walk\r\r,Type,Marker\r", "ends its lines by carriage returns alone"},
       {"PathFileType\t4\t(X/Y/Z)\twalk.trc\rDataRate\tCameraRate\r",

@@ -170,6 +170,10 @@ TEST(SensorClock, WithoutExchangesBothMachinesAreTheSame) {
   EXPECT_NEAR(static_cast<double>(map(frames[900].stamp).ns - clocks.agent_ns(900.3 / 30.0)), 0.0, 1e5);
 }
 
+TEST(SensorClock, OfASensorWithoutFramesTicksAreTheHostsTime) {
+  EXPECT_EQ(SensorClockMap{}(SensorTime{1234}), HostTime{1234});
+}
+
 TEST(SensorClock, OneExchangeOrTwoOrManyAtOnceGiveAnOffset) {
   const ClockExchange one{1'000'000'000, 5'000'200'000, 5'000'250'000, 1'000'450'000};
   for (std::size_t count : {1, 2, 50}) {

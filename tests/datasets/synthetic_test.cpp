@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "datasets/base/units.h"
 #include "datasets/synthetic/generated_person.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulated_sensor.h"
@@ -106,6 +109,97 @@ TEST(GeneratedPerson, WhoWalksStandsOnAFootThatDoesNotMove) {
     }
 }
 
+struct AngleRange {
+  double min_deg, max_deg;
+};
+
+// Least and largest of an angle over a minute, of a person whose amplitude is 1.
+AngleRange range_of(Activity activity, const std::function<double(const SkeletonPose&)>& angle_rad) {
+  const Motion motion = generated_motion({.stature_m = 1.7, .tempo = 1.0, .amplitude = 1.0}, activity);
+  AngleRange range{1e3, -1e3};
+  for (double t = 0.0; t < 60.0; t += 0.01) {
+    const double degrees = angle_rad(motion(t)) / kRadPerDegree;
+    range = {std::min(range.min_deg, degrees), std::max(range.max_deg, degrees)};
+  }
+  return range;
+}
+
+double bend_rad(const SkeletonPose& pose, Joint from, Joint at, Joint to) {
+  const Vector3d in = pose.at(at) - pose.at(from), out = pose.at(to) - pose.at(at);
+  return std::atan2(in.cross(out).norm(), in.dot(out));
+}
+
+// From straight down to straight ahead.
+double flexion_rad(const SkeletonPose& pose, Joint from, Joint to) {
+  const Vector3d along = pose.at(to) - pose.at(from);
+  const Vector3d forward(std::sin(pose.heading_rad), 0.0, std::cos(pose.heading_rad));
+  return std::atan2(along.dot(forward), -along.y());
+}
+
+// Who walks swings each arm by 26 degrees to and fro and bends the elbow by 20 to 37; who swings the arms
+// goes from -40 to 63 degrees at the shoulder. Abduction by 7 degrees makes bends seem a little smaller.
+TEST(GeneratedPerson, ArmsAndTrunkSwingAsFarAsTheActivitySays) {
+  for (const auto& [shoulder, elbow, wrist] :
+       {std::tuple{Joint::shoulder_left, Joint::elbow_left, Joint::wrist_left},
+        std::tuple{Joint::shoulder_right, Joint::elbow_right, Joint::wrist_right}}) {
+    const auto arm = [&, from = shoulder, to = elbow](const SkeletonPose& pose) {
+      return flexion_rad(pose, from, to);
+    };
+    const auto bend = [&, from = shoulder, at = elbow, to = wrist](const SkeletonPose& pose) {
+      return bend_rad(pose, from, at, to);
+    };
+    AngleRange range = range_of(Activity::walking, arm);
+    EXPECT_NEAR(range.min_deg, -25.8, 0.3);
+    EXPECT_NEAR(range.max_deg, 25.8, 0.3);
+    range = range_of(Activity::walking, bend);
+    EXPECT_NEAR(range.min_deg, 20.0, 0.4);
+    EXPECT_NEAR(range.max_deg, 37.0, 0.4);
+    range = range_of(Activity::arm_swing, arm);
+    EXPECT_NEAR(range.min_deg, -40.1, 0.3);
+    EXPECT_NEAR(range.max_deg, 63.0, 0.3);
+    range = range_of(Activity::arm_swing, bend);
+    EXPECT_NEAR(range.min_deg, 17.1, 0.4);
+    EXPECT_NEAR(range.max_deg, 39.9, 0.5);
+  }
+  const auto lean = [](const SkeletonPose& pose) {
+    return -flexion_rad(pose, Joint::neck, Joint::spine_base);
+  };
+  AngleRange range = range_of(Activity::arm_swing, lean);
+  EXPECT_NEAR(range.min_deg, -1.15, 0.02);
+  EXPECT_NEAR(range.max_deg, 1.15, 0.02);
+  range = range_of(Activity::walking, lean);
+  EXPECT_NEAR(range.min_deg, 2.86, 0.02);
+  EXPECT_NEAR(range.max_deg, 2.86, 0.02);
+}
+
+TEST(GeneratedPerson, AFootIsLiftedByAFifthOfItsStep) {
+  const Motion motion =
+      generated_motion({.stature_m = 1.7, .tempo = 1.0, .amplitude = 1.0}, Activity::walking);
+  for (const Joint ankle : {Joint::ankle_left, Joint::ankle_right}) {
+    const double standing_m = 0.039 * 1.7;
+    double lift_m = 0.0, step_m = 0.0;
+    Vector3d stood = motion(0.0).at(ankle);
+    for (double t = 0.0; t < 10.0; t += 0.002) {
+      const Vector3d at = motion(t).at(ankle);
+      lift_m = std::max(lift_m, at.y() - standing_m);
+      if (at.y() - standing_m > 1e-9) continue;
+      step_m = std::max(step_m, (at - stood).norm());
+      stood = at;
+    }
+    EXPECT_NEAR(lift_m / step_m, 0.2, 0.01) << name_of(ankle);
+  }
+}
+
+// Where a Kinect sees it: a little above the middle of the hips.
+TEST(GeneratedPerson, TheBaseOfTheSpineLiesAboveTheHips) {
+  for (const Activity activity : kActivities) {
+    const SkeletonPose pose = generated_motion({.stature_m = 1.7}, activity)(0.7);
+    const Vector3d hips = 0.5 * (pose.at(Joint::hip_left) + pose.at(Joint::hip_right));
+    EXPECT_NEAR((pose.at(Joint::spine_base) - hips).norm(), 0.034, 1e-9);
+    EXPECT_GT(pose.at(Joint::spine_base).y(), hips.y());
+  }
+}
+
 TEST(GeneratedPerson, IsDrawnWithinTheStatedRangeAndFillsIt) {
   ErrorMoments stature;
   double least = 10.0, most = 0.0;
@@ -151,6 +245,29 @@ TEST(GeneratedPerson, WalksTheWayItFacesAndStaysAboveTheFloor) {
     EXPECT_GT(left.dot(Vector3d::UnitY().cross(forward)), 0.1) << t << " s";
     EXPECT_GT(std::min(pose.at(Joint::foot_left).y(), pose.at(Joint::foot_right).y()), -0.02) << t << " s";
   }
+}
+
+TEST(SimulatedSensor, SeesWhatLiesInItsImageAndRange) {
+  const SensorSpec spec;
+  SimulatedSensor sensor;
+  const DepthIntrinsics& in = sensor.intrinsics;
+  const auto sees = [&](double u_px, double v_px, double depth_m) {
+    const Eigen::Vector2d ray = ray_through(in, {u_px, v_px}).value();
+    return is_in_view(sensor, spec, depth_m * Vector3d(ray.x(), ray.y(), 1.0));
+  };
+  const double right_px = in.width_px - 1.0, bottom_px = in.height_px - 1.0;
+  for (const double u_px : {1.0, right_px - 1.0})
+    for (const double v_px : {1.0, bottom_px - 1.0})
+      EXPECT_TRUE(sees(u_px, v_px, 2.0)) << u_px << " " << v_px;
+  EXPECT_FALSE(sees(-1.0, 200.0, 2.0));
+  EXPECT_FALSE(sees(right_px + 1.0, 200.0, 2.0));
+  EXPECT_FALSE(sees(250.0, -1.0, 2.0));
+  EXPECT_FALSE(sees(250.0, bottom_px + 1.0, 2.0));
+  EXPECT_TRUE(sees(250.0, 200.0, spec.nearest_m + 0.01));
+  EXPECT_FALSE(sees(250.0, 200.0, spec.nearest_m - 0.01));
+  EXPECT_TRUE(sees(250.0, 200.0, spec.farthest_m - 0.01));
+  EXPECT_FALSE(sees(250.0, 200.0, spec.farthest_m + 0.01));
+  EXPECT_FALSE(is_in_view(sensor, spec, {0.0, 0.0, -2.0}));
 }
 
 TEST(SimulatedSensor, FramesAreDroppedAsDeclaredAndTheFloorKeepsItsPlace) {
@@ -275,6 +392,7 @@ TEST(SimulationSpec, HeightsMayBeARangeInAnyOrder) {
   EXPECT_THAT(heights(R"({"sensors": 3, "mean_m": 1, "spread_m": 1})"), testing::ElementsAre(0.5, 1.0, 1.5));
   EXPECT_THAT(heights(R"({"sensors": 3, "mean_m": 1, "spread_m": 1, "order": 1})"),
               testing::ElementsAre(1.5, 1.0, 0.5));
+  EXPECT_THAT(heights(R"({"sensors": 1, "mean_m": 1, "spread_m": 1})"), testing::ElementsAre(1.0));
   std::set<std::vector<double>> orders;
   for (int k = 0; k < 24; ++k)
     orders.insert(heights(fmt::format(R"({{"sensors": 4, "order": {}}})", (k + 0.5) / 24.0)));

@@ -88,6 +88,36 @@ TEST(WandMotion, ThePersonStandsBesideTheBallFacesItAndHoldsTheStick) {
   }
 }
 
+// The elbow hangs 8 cm below the line to the hand; the thumb is up.
+TEST(WandMotion, TheArmThatHoldsTheStickIsAPersons) {
+  const WandMotion wand({}, 5, kCentre, Person{});
+  for (const WandHold& hold : wand.holds()) {
+    const SkeletonPose person = wand.at(0.5 * (hold.from_s + hold.to_s)).person;
+    const Vector3d hand = person.at(Joint::hand_right);
+    EXPECT_LT((person.at(Joint::thumb_right) - hand - Vector3d(0.0, 0.04, 0.0)).norm(), 1e-9);
+    EXPECT_NEAR((person.at(Joint::wrist_right) - hand).norm(), 0.08, 1e-9);
+    EXPECT_NEAR((person.at(Joint::hand_tip_right) - hand).norm(), 0.06, 1e-9);
+    const Vector3d middle = 0.5 * (person.at(Joint::shoulder_right) + hand);
+    EXPECT_LT((person.at(Joint::elbow_right) - middle + Vector3d(0.0, 0.08, 0.0)).norm(), 1e-9);
+  }
+}
+
+TEST(WandMotion, AScenePutsDownWhatNobodyHolds) {
+  const WandMotion wand({}, 5, kCentre, Person{});
+  const auto scene_of = [&](bool is_held, bool shows_person) {
+    WandInstant instant = wand.at(0.1);
+    instant.is_held = is_held;
+    DepthScene scene;
+    append_wand_instant(scene, instant, {}, shows_person);
+    return scene;
+  };
+  const auto parts = [](const DepthScene& scene) { return scene.spheres.size() + scene.capsules.size(); };
+  EXPECT_EQ(parts(scene_of(false, true)), 1u);  // the ball alone
+  EXPECT_EQ(parts(scene_of(false, false)), 1u);
+  EXPECT_GT(parts(scene_of(true, false)), 1u);
+  EXPECT_GT(parts(scene_of(true, true)), parts(scene_of(true, false)) + 10u);
+}
+
 TEST(WandMotion, OtherSeedsGiveOtherPositions) {
   const WandMotion one({}, 1, kCentre, Person{}), again({}, 1, kCentre, Person{}),
       two({}, 2, kCentre, Person{});
