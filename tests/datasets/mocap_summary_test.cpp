@@ -198,6 +198,19 @@ TEST(Missing, InACoarseFileWhatRestsIsLeftAndWhatJumpsWasHeld) {
   EXPECT_EQ(missing_of_first(take_of({{"a", held}, {"b", other}}, "Marker", 0)).held, 39);
 }
 
+// It left by less than 1 cm, or by less than five of its usual steps: so a person moves on.
+TEST(Missing, InACoarseFileASmallStepEndsNoHeldStretch) {
+  std::vector<double> turning = swinging_mm(kFrames, 1), resting(kFrames, 500.0),
+                      other = swinging_mm(kFrames, 2);
+  hold(turning, 126, 152);  // about where it turns: 24 mm on, of steps of 7 mm
+  for (std::size_t i = 200; i < kFrames; ++i) resting[i] = 505.0;
+  for (double& x : other) x = 5.0 * std::round(x / 5.0);
+  EXPECT_EQ(missing_of_first(take_of({{"a", turning}, {"b", other}}, "Marker", 0)).held, 0);
+  EXPECT_EQ(missing_of_first(take_of({{"a", resting}, {"b", other}}, "Marker", 0)).held, 0);
+  for (std::size_t i = 200; i < kFrames; ++i) resting[i] = 515.0;
+  EXPECT_GT(missing_of_first(take_of({{"a", resting}, {"b", other}}, "Marker", 0)).held, 100);
+}
+
 TEST(Missing, ARigidBodyAloneIsJudgedByItsOwnNoise) {
   std::vector<double> held = swinging_mm(kFrames, 1);
   hold(held, 100, 150);

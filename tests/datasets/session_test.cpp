@@ -133,6 +133,37 @@ TEST(Session, AChangedByteOfDepthIsFoundByVerify) {
   EXPECT_THAT(said_of(path), HasSubstr("1 frames are damaged"));
 }
 
+TEST(Session, DepthFramesWithoutAnyDepthAreCounted) {
+  for (const int empty : {0, 2}) {
+    const auto path = scratch("empty.h5");
+    SessionWriter writer(path, header_of(1, true));
+    for (int i = 0; i < 5; ++i) {
+      std::vector<std::uint16_t> depth_mm(kDepthPixels, 0);
+      if (i >= empty) depth_mm[7] = 1500;
+      writer.add_depth_frame(
+          0, encode_depth_frame({i, 333'333 * i, 33'333'300 * i}, depth_mm, ChunkCompression::deflate));
+    }
+    writer.finish();
+    const std::string said = said_of(path);
+    EXPECT_EQ(said.find("2 frames hold no depth at all") != std::string::npos, empty == 2) << said;
+    EXPECT_EQ(said.find("hold no depth at all") != std::string::npos, empty > 0) << said;
+  }
+}
+
+TEST(Session, RatesOfATenthToTenThousandHertzAreRead) {
+  const auto read = [](double rate_hz) {
+    const auto path = scratch("rate.h5");
+    SessionHeader header = header_of(1);
+    header.sensors[0].nominal_rate_hz = rate_hz;
+    SessionWriter(path, header).finish();
+    return message_of([&] { SessionReader{path}; });
+  };
+  EXPECT_EQ(read(0.11), "no error");
+  EXPECT_EQ(read(9999.0), "no error");
+  for (const double rate_hz : {0.1, 10'000.0})
+    EXPECT_THAT(read(rate_hz), HasSubstr("nominal_rate_hz: must lie between 0.1 and 10000"));
+}
+
 TEST(Session, OtherFilesAreRefusedWithTheReason) {
   EXPECT_THAT(message_of([] { SessionReader("/nonexistent.h5"); }), HasSubstr("does not exist"));
   const auto text = scratch("text.h5");

@@ -261,5 +261,24 @@ TEST(WriteSession, ALogThatCouldNotBeReadWholeStaysBesideTheSession) {
   EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 99u);
 }
 
+TEST(WriteSession, ALogOfWhichFramesWereLeftOutStaysBesideTheSession) {
+  const ScratchFolder folder;
+  {
+    EventLogWriter log(folder / "a", head_with(header_of(1)));
+    for (std::int64_t i = 0; i < 100; ++i) {
+      BodyFrame frame = body_frame_of(i, 1);
+      if (i == 50) frame.stamp.arrival_ns = std::int64_t{1} << 61;  // no time
+      log.append(0, frame);
+    }
+    log.finish();
+  }
+  std::string left;
+  const LogsWritten written = close_recording({{folder / "a"}}, folder / "s.h5", left);
+  EXPECT_EQ(written.sensors.at(0).left_out, 1u);
+  EXPECT_EQ(left, "not all of the log could be read back");
+  EXPECT_TRUE(std::filesystem::exists(folder / "a"));
+  EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 99u);
+}
+
 }  // namespace
 }  // namespace trilat
