@@ -44,7 +44,7 @@ class RowReader {
   std::string_view with_commas(std::string_view line);
   void check_promise();
   void check_order() const;
-  void check_times() const;
+  void check_times();
   void check_decimal_comma(std::string_view line) const;
   void read_row(std::string_view line);
   std::int64_t read_index(std::string_view line) const;
@@ -72,7 +72,8 @@ class RowReader {
   std::int64_t first_missing_ = 0;   // frame that the rows leave out; 0: none
   std::int64_t steps_back_ = 0;      // rows whose frame is before that of the row before
   double first_printed_s_ = kNaN, last_printed_s_ = kNaN;  // of rows that were taken
-  double zero_printed_s_ = kNaN;  // printed time of the first frame, from the first row that has one
+  double zero_printed_s_ = kNaN;          // printed time of the first frame, from the first row that has one
+  double min_printed_step_s_ = HUGE_VAL;  // between rows whose printed times differ
   FarNumbers far_;
 };
 
@@ -139,10 +140,14 @@ void RowReader::check_order() const {
                                          " rows stand behind rows of later frames; sort the rows by frame");
 }
 
-void RowReader::check_times() const {
+void RowReader::check_times() {
   constexpr std::int64_t kMinRows = 10;
-  if (rows_ < kMinRows || 2 * anomalies_.printed_time_differs <= rows_) return;
-  if (last_printed_s_ == first_printed_s_)
+  const bool advance = last_printed_s_ > first_printed_s_;
+  if (rows_ < kMinRows) return;
+  if (advance && anomalies_.largest_time_error_s <= min_printed_step_s_)
+    anomalies_.printed_time_differs = 0;  // they are rounded to that step
+  if (2 * anomalies_.printed_time_differs <= rows_) return;
+  if (!advance)
     throw InputError(lines_.place(),
                      fmt::format("the times of all rows are {:g}; write frame / rate, or leave "
                                  "them empty: the header states {:.6g} Hz",
@@ -274,6 +279,8 @@ bool RowReader::add_time(std::int64_t index, double printed_s) {
     take_.header.first_frame = index;
     if (std::isfinite(printed_s)) take_.first_s = printed_s;
   }
+  if (printed_s > last_printed_s_)
+    min_printed_step_s_ = std::min(min_printed_step_s_, printed_s - last_printed_s_);
   last_printed_s_ = printed_s;
   const double since_s = printed_s - first_printed_s_;
   const Duration printed = duration_from_s(std::isnan(since_s) ? 0.0 : since_s);

@@ -39,6 +39,10 @@ struct OtherFormat {
   std::string_view begins;
   const char* text;
 };
+constexpr const char* kHeaderIsMissing =
+    "is Motive's CSV without its first rows, so that unit, rate and names are unknown; export it again with "
+    "the "
+    "header switched on, and keep all rows";
 constexpr OtherFormat kOtherFormats[] = {
     {"NO_OF_", "is Qualisys' TSV, which is not read; export C3D from Qualisys Track Manager instead"},
     {"FILE_VERSION", "is Qualisys' TSV, which is not read; export C3D from Qualisys Track Manager instead"},
@@ -55,7 +59,10 @@ constexpr OtherFormat kOtherFormats[] = {
     {"[",
      "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
      "trilat.convert azure-kinect` makes one of offline_processor's JSON"},
-    {"Format Version;", "has semicolons between its cells; save the file with commas"}};
+    {"Format Version;", "has semicolons between its cells; save the file with commas"},
+    {"Format Version\t", "has tabs between its cells; save the file with commas"},
+    {",Type,", kHeaderIsMissing},
+    {"Frame,Time (Seconds)", kHeaderIsMissing}};
 constexpr const char* kKnownFormats =
     "is neither motion capture (Motive's CSV, which begins with \"Format Version,1.2\", or TRC) nor a CSV of "
     "joints, whose first row is time_s,joint,x_m,y_m,z_m";

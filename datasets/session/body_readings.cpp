@@ -67,6 +67,20 @@ constexpr std::array kSpine{SpineOrder{Joint::spine_base, Joint::spine_mid, Join
                             SpineOrder{Joint::spine_mid, Joint::spine_shoulder, Joint::neck},
                             SpineOrder{Joint::spine_shoulder, Joint::neck, Joint::head}};
 
+// Joints of the tables that are never in one place: with the joint before them, and left with right.
+const std::vector<std::pair<Joint, Joint>>& apart() {
+  static const std::vector<std::pair<Joint, Joint>> pairs = [] {
+    std::vector<std::pair<Joint, Joint>> found;
+    for (const Bone& bone : kBones) {
+      if (!group_of(bone.child)) continue;
+      found.emplace_back(bone.parent, bone.child);
+      if (mirror_of(bone.child) > bone.child) found.emplace_back(bone.child, mirror_of(bone.child));
+    }
+    return found;
+  }();
+  return pairs;
+}
+
 bool is_in_reach(double range_m) { return range_m >= kMinJointDistance_m && range_m <= kMaxJointDistance_m; }
 
 std::string size_text(double size) {
@@ -113,6 +127,11 @@ void JointFaults::add(const Body& body) {
   for (std::size_t b = 0; b < kBones.size(); ++b)
     if (const double m = between_m(kBones[b].parent, kBones[b].child); std::isfinite(m))
       ++lengths_[b][static_cast<std::size_t>(std::min(m / kBin_m, static_cast<double>(kBins - 1)))];
+  for (std::size_t k = 0; k < apart().size(); ++k) {
+    const double m = between_m(apart()[k].first, apart()[k].second);
+    pairs_seen_[k] += std::isfinite(m) ? 1 : 0;
+    in_one_place_[k] += m == 0.0 ? 1 : 0;
+  }
   for (std::size_t k = 0; k < kSpine.size(); ++k) {
     const double lower_m = between_m(kSpine[k].from, kSpine[k].lower),
                  upper_m = between_m(kSpine[k].from, kSpine[k].upper);
@@ -123,6 +142,7 @@ void JointFaults::add(const Body& body) {
 
 std::optional<std::string> JointFaults::misread_text() const {
   if (const auto size = odd_size()) return size_text(*size);
+  if (auto text = same_place_text()) return text;
   if (auto text = too_long_text()) return text;
   return spine_text();
 }
@@ -199,6 +219,14 @@ std::optional<std::string> JointFaults::spine_text() const {
     if (spines_[k] >= kMinBodies && 10 * exchanged_[k] >= 9 * spines_[k])
       return fmt::format("{} lies farther from {} than {} does: are the two exchanged?",
                          name_of(kSpine[k].lower), name_of(kSpine[k].from), name_of(kSpine[k].upper));
+  return std::nullopt;
+}
+
+std::optional<std::string> JointFaults::same_place_text() const {
+  for (std::size_t k = 0; k < apart().size(); ++k)
+    if (pairs_seen_[k] >= kMinBodies && 10 * in_one_place_[k] >= 9 * pairs_seen_[k])
+      return fmt::format("{1} has the position of {0}, to the last bit: was one of them written twice?",
+                         name_of(apart()[k].first), name_of(apart()[k].second));
   return std::nullopt;
 }
 

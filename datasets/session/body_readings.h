@@ -37,13 +37,15 @@ class JointFaults {
   std::optional<double> odd_size() const;  // of the bones, in those of a person
   std::optional<std::string> too_long_text() const;
   std::optional<std::string> spine_text() const;
+  std::optional<std::string> same_place_text() const;
 
   std::array<std::uint64_t, kJointCount> out_of_reach_{};
   std::uint64_t joints_ = 0;                // tracked or inferred, and finite
   std::uint64_t at_sensor_ = 0;             // of those out of reach
   std::array<std::uint64_t, 2> in_unit_{};  // of those out of reach, within reach as millimetres, centimetres
   std::array<std::array<std::uint32_t, kBins>, kBoneCount> lengths_{};
-  std::array<std::uint64_t, 3> spines_{}, exchanged_{};  // by kSpine
+  std::array<std::uint64_t, 3> spines_{}, exchanged_{};                      // by kSpine
+  std::array<std::uint64_t, 2 * kBoneCount> pairs_seen_{}, in_one_place_{};  // by apart()
 };
 
 // Finds what a sensor gives again: a driver that has nothing new repeats a body, to the last bit, under new

@@ -2,6 +2,7 @@
 // A sensor's joints tell the unit of their positions, holes, and the order of the joints in the file.
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -163,6 +164,28 @@ TEST(JointFaults, ALimbThatIsTooLongIsNoOtherOrder) {
   };
   EXPECT_EQ(text_of(longer(2)), "");
   EXPECT_NE(text_of(longer(6)), "");
+}
+
+TEST(JointFaults, AJointThatIsWrittenInTwoPlacesIsNamed) {
+  using enum Joint;
+  const auto copied = [](Joint from, Joint to, int every = 1) {
+    return [=, n = std::make_shared<int>(0)](Body& body) {
+      if (++*n % every == 0)
+        body.position_m[static_cast<std::size_t>(to)] = body.position_m[static_cast<std::size_t>(from)];
+    };
+  };
+  EXPECT_EQ(text_of(copied(shoulder_left, elbow_left)),
+            "elbow_left has the position of shoulder_left, to the last bit: was one of them written twice?");
+  for (const auto& [from, to] : {std::pair{hip_right, knee_right}, std::pair{knee_left, ankle_left},
+                                 std::pair{elbow_right, wrist_right}, std::pair{neck, head}})
+    EXPECT_THAT(text_of(copied(from, to)),
+                HasSubstr(std::string(name_of(to)) + " has the position of " + std::string(name_of(from))));
+  EXPECT_THAT(text_of(copied(wrist_left, wrist_right)),
+              HasSubstr("wrist_right has the position of wrist_left"));
+  EXPECT_TRUE(faults_of(copied(neck, head)).misread_text().has_value());
+  EXPECT_EQ(text_of(copied(wrist_left, thumb_left)), "");  // no joint of the tables
+  EXPECT_EQ(text_of(copied(shoulder_left, elbow_left, 2)), "");
+  EXPECT_EQ(text_of(copied(shoulder_left, elbow_left), 29), "");
 }
 
 TEST(JointFaults, ExchangedJointsOfTheSpineAreNamed) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Exports with rows, headers or assets that cannot be taken as they are.
+#include <cmath>
 #include <functional>
 
 #include <fmt/format.h>
@@ -118,6 +119,9 @@ TEST(ReadMocap, SaysInWhichUnitTheTimesAre) {
   EXPECT_THAT(refused([](int i) { return 1.0 * i; }),
               HasSubstr("As frame numbers both agree: divide the times by the rate"));
   EXPECT_THAT(refused([](int i) { return 0.02 * i; }), Not(HasSubstr("agree")));
+  for (const double step_s : {0.1, 0.02, 0.05})  // as a spreadsheet rounds them
+    EXPECT_EQ(refused([step_s](int i) { return step_s * std::round(0.01 * i / step_s); }), "was read")
+        << step_s;
   EXPECT_THAT(refused([](int) { return 0.5; }),
               HasSubstr("the times of all rows are 0.5; write frame / rate"));
 }

@@ -165,10 +165,14 @@ TEST(TrcReader, TimesInTheFileWinOverARateThatContradictsThem) {
   EXPECT_THAT(unstated.header.taken_as, HasSubstr("25 Hz, and its header states no rate"));
   const WholeTake right = marker_take(made_rows(40, [](int i) { return std::pair{i + 7, 0.01 * i}; }));
   EXPECT_EQ(right.header.taken_as, "");
-  const WholeTake rounded = marker_take(made_rows(300, [](int i) {
-    return std::pair{i + 1, 0.001 * std::floor(10.0 * i)};
-  }));
-  EXPECT_EQ(rounded.header.taken_as, "");
+  for (const double step_s : {0.001, 0.1, 0.5}) {
+    const WholeTake rounded = marker_take(made_rows(300, [=](int i) {
+      return std::pair{i + 1, step_s * std::round(0.01 * i / step_s)};
+    }));
+    EXPECT_EQ(rounded.header.taken_as, "");
+    EXPECT_EQ((rounded.frames[7].time - rounded.frames[0].time).ns, 70'000'000);
+    EXPECT_EQ(rounded.anomalies.printed_time_differs, 0);
+  }
 }
 
 // The rate of 100 Hz that the header states counts.
@@ -273,6 +277,9 @@ TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
       {"\x89HDF\r\n", "is HDF5"},
       {"time_s;joint;x_m;y_m;z_m\n", "has semicolons between its cells"},
       {"time_s\tjoint\tx_m\ty_m\tz_m\n", "has tabs between its cells"},
+      {"Format Version\t1.23\tTake Name\twalk\n", "has tabs between its cells"},
+      {",Type,Marker,Marker,Marker\n", "is Motive's CSV without its first rows"},
+      {"Frame,Time (Seconds),X,Y,Z\n0,0,1,2,3\n", "is Motive's CSV without its first rows"},
       {"frame,nose_x,nose_y,nose_z\n0,1,2,3\n",
        "has three columns a joint (frame, nose_x, nose_y, nose_z, ...)"},
       {"time_s,HipX,HipY,HipZ\n0,1,2,3\n", "has three columns a joint"},

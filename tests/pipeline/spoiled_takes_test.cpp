@@ -135,6 +135,13 @@ std::vector<Spoiled> all_spoiled() {
       {"neck_and_head",
        bodies(exchange_neck_and_head),
        {"k1, k2, k3, k4: neck lies farther from spine_shoulder than head does: are the two exchanged?"}},
+      {"elbows_at_shoulders",
+       bodies([](BodyPositions& joints) {
+         for (const auto& [shoulder, elbow] : {std::pair{Joint::shoulder_left, Joint::elbow_left},
+                                               std::pair{Joint::shoulder_right, Joint::elbow_right}})
+           joints[static_cast<std::size_t>(elbow)] = joints[static_cast<std::size_t>(shoulder)];
+       }),
+       {"k1, k2, k3, k4: elbow_left has the position of shoulder_left, to the last bit"}},
       {"clock_of_arrivals",
        set_the_clock_of_arrivals,
        {"k2: arrivals jump by 4.0", "while its ticks go on", "take 4.0", " s from the arrivals"}},

@@ -198,6 +198,15 @@ class Compare(Compared):
                 self.assertRegex(said, f"note: {name}: repeats .*{words}" if words else "compare on truth")
                 self.assertNotIn(absent, said)
 
+    def test_positions_in_whole_centimetres_are_said_and_not_taken_for_a_lower_rate(self):
+        for name, step_m, words in (("cm.csv", 0.01, "whole steps of 1 cm"), ("cm.trc", 0.01, "whole steps of 1 cm"), ("dm.csv", 0.1, "whole steps of 10 cm"),
+                                    ("dm.trc", 0.1, "whole steps of 10 cm"), ("mm.csv", 0.001, ""), ("mm.trc", 0.001, "")):
+            with self.subTest(name):
+                said = self.compared(self.brought(name, lambda at, key, step=step_m: np.round(at / step) * step))
+                self.assertEqual(bool(words), "whole steps" in said, said)
+                self.assertIn(words, said)
+                self.assertNotIn("true rate", said)
+
     def test_times_that_count_frames_are_said(self):
         words = "time_s counts by 1, as frame numbers do"
         for first in (0, 1, 1000):
@@ -209,6 +218,17 @@ class Compare(Compared):
         (self.folder / "mine.csv").write_text("frame,time_s,joint,x_cm,y_cm,z_cm\n0,0,head,1,2,3\n")
         self.assertIn("mine.csv:1: has no column x_m among frame, time_s, joint, x_cm, y_cm, z_cm; needed are time_s, joint, x_m, y_m, z_m",
                       self.compared(self.folder / "mine.csv", code=2))
+
+    def test_a_file_without_a_named_point_says_why(self):
+        library.write_joints(self.folder / "mine.trc", self.time_s, {f"Unlabeled {k}": at for k, at in enumerate(self.truth.values())})
+        self.assertIn("here are unlabelled markers alone; label them", self.compared(self.folder / "mine.trc", code=2))
+        rows = [["Format Version", "1.23", "Take Name", "walk", "Export Frame Rate", "100.000000", "Rotation Type", "Quaternion", "Length Units", "Meters",
+                 "Coordinate Space", "Local"], [], ["", "Type", *["Bone"] * 3], ["", "Name", *["head"] * 3], ["", "ID", *["1"] * 3],
+                ["", "", *["Position"] * 3], ["Frame", "Time (Seconds)", "X", "Y", "Z"], *([k, f"{k / 100:.6f}", 1, 2, 3] for k in range(50))]
+        (self.folder / "mine.csv").write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
+        self.assertIn("here are bones relative to their parents alone; export again with the coordinate space Global", self.compared(self.folder / "mine.csv", code=2))
+        library.write_joints(self.folder / "mine.csv", self.time_s, {"nose": self.truth["head"]})
+        self.assertIn("here are nose; there head, knee_left", self.compared(self.folder / "mine.csv", code=2))
 
     def test_frames_a_second_apart_are_not_joined_by_lines(self):
         library.write_joints(self.folder / "mine.csv", self.time_s[::50], {key: at[::50] for key, at in self.truth.items()})
@@ -266,7 +286,7 @@ class Compare(Compared):
         self.assertIn("notes.csv:1: is neither motion capture", self.compared(self.folder / "notes.csv", code=2))
         library.write_joints(self.folder / "names.csv", self.time_s, {"nobody": self.truth["head"]})
         said = self.compared(self.folder / "names.csv", code=2)
-        self.assertIn("names.csv: has no point that truth.csv has: here are nobody, there head", said)
+        self.assertIn("names.csv: has no point that truth.csv has: here are nobody; there head", said)
 
     def test_a_name_that_a_csv_cannot_hold_is_an_error(self):
         for name in ("", "a,b", 'a"b', "a\nb"):

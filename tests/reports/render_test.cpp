@@ -139,6 +139,9 @@ TEST(Latex, TakesThePagesColumnsInTheirOrderAsWideAsTheyNeed) {
 TEST(Render, MarkdownShowsWhatANameHoldsAndRunsNoneOfIt) {
   EXPECT_THAT(markdown_of(table_with("<b>*x* `y` [z](u) a_b _c_")),
               HasSubstr("\\<b>\\*x\\* \\`y\\` \\[z\\](u) a_b \\_c\\_"));
+  EXPECT_THAT(markdown_of(table_with("a_ b")), HasSubstr("| a\\_ b |"));
+  EXPECT_THAT(markdown_of(table_with("a _b")), HasSubstr("| a \\_b |"));
+  EXPECT_THAT(markdown_of(table_with("R&D &amp; &#38; & x")), HasSubstr("| R\\&D \\&amp; \\&#38; & x |"));
 }
 
 TEST(Render, CsvTextsAreNoFormulas) {
@@ -153,6 +156,50 @@ TEST(Render, LatexCompilesWhateverANameHolds) {
   EXPECT_THAT(*latex_of(table_with("\u6D4B\u8BD5 \u00B5 \u2264 \u00E4")),
               HasSubstr("[U+6D4B][U+8BD5] \\ensuremath{\\mu} \\ensuremath{\\leq} \u00E4"));
   EXPECT_THAT(*latex_of(table_with("\xff")), HasSubstr("[U+FFFD]"));
+  EXPECT_EQ(latex_text("\U0001F600 \u00C0\u017E\u0180 \u2026 \u00A0z"),
+            "[U+1F600] \u00C0\u017E[U+0180] \\ldots{} ~z");
+  EXPECT_EQ(latex_text("\xC3"), "[U+FFFD]");  // cut within a character
+  EXPECT_EQ(latex_text("\xE2\x82"), "[U+FFFD]");
+  EXPECT_EQ(latex_text("\xE2"
+                       "a"),
+            "[U+FFFD]a");
+  EXPECT_EQ(latex_text("\x80"
+                       "b"),
+            "[U+FFFD]b");  // begins within one
+}
+
+TEST(Terminal, ANarrowOneLeavesOutTheColumnsBeforeTheLastTwo) {
+  Table table;
+  table.title = "t";
+  table.columns = {{"method", "method", true}, {"head", "head"}, {"wrist", "wrist"},
+                   {"ankle", "ankle"},         {"mean", "mean"}, {"all", "all"}};
+  table.rows = {{TableValue::of("median"), TableValue::of(1.0, 1), TableValue::of(2.0, 1),
+                 TableValue::of(3.0, 1), TableValue::of(4.0, 1), TableValue::of(5.0, 1)}};
+  EXPECT_EQ(terminal_text(table, 80),
+            "t\n"
+            "method  head  wrist  ankle  mean  all\n"
+            "median   1.0    2.0    3.0   4.0  5.0\n");
+  EXPECT_EQ(terminal_text(table, 37), terminal_text(table, 80));
+  EXPECT_EQ(terminal_text(table, 36),
+            "t\n"
+            "method  head  wrist  mean  all\n"
+            "median   1.0    2.0   4.0  5.0\n"
+            "the report has 1 more column\n");
+  EXPECT_THAT(terminal_text(table, 10), HasSubstr("\nmethod  head  mean  all\n"));
+  EXPECT_THAT(terminal_text(table, 10), HasSubstr("the report has 2 more columns\n"));
+}
+
+TEST(Terminal, OfALongTableItShowsTheFirstRowsAndSaysWhatMarksMean) {
+  Table table = small_table();
+  table.first_rows = 2;
+  table.rows[0][1].mark = TableValue::Mark::best;
+  EXPECT_EQ(terminal_text(table, 80),
+            "A table\n"
+            "joint  MAE (cm)\n"
+            "head     0.33 *\n"
+            "müde     123.46\n"
+            "*: the least error; ≈: cannot be distinguished from it on the samples that both answer\n"
+            "the report has 1 more row\n");
 }
 
 TEST(Html, SentencesMarkCodeAndBoldAndCloseWhatIsOpen) {
@@ -166,6 +213,8 @@ TEST(Render, WhatRoundsToNothingHasNoSign) {
   EXPECT_EQ(printed(TableValue::of(-0.004, 2)), "0.00");
   EXPECT_EQ(printed(TableValue::of(-0.0, 0)), "0");
   EXPECT_EQ(printed(TableValue::of(-0.006, 2)), "-0.01");
+  EXPECT_EQ(printed(TableValue::of(1.0 / 3.0, 40)), "0.33333333333333331");  // 17 digits are all there are
+  EXPECT_EQ(printed(TableValue::of(0.25, -1)), "0.25");
 }
 
 }  // namespace

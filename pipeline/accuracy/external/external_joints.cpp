@@ -112,6 +112,18 @@ std::vector<std::string> names_of(const NamedPoints& points) {
   return names;
 }
 
+// The names of a file's points; where it has none, why not.
+std::string points_text(const MocapHeader& header) {
+  const std::vector<std::string> names = names_of(points_by_name(header));
+  if (!names.empty()) return names_text(names);
+  const auto any = [&](const auto& is_such) { return std::ranges::any_of(header.assets, is_such); };
+  if (any([](const MocapAsset& asset) { return asset.type == AssetType::bone && asset.has_position; }))
+    return "bones relative to their parents alone; export again with the coordinate space Global";
+  return any([](const MocapAsset& asset) { return asset.has_position; })
+             ? "unlabelled markers alone; label them in the motion capture's program"
+             : "nothing with a position";
+}
+
 std::vector<std::vector<std::size_t>> markers_of(const MocapHeader& header, const NamedPoints& points,
                                                  const std::vector<std::string>& names,
                                                  const std::string& place) {
@@ -188,9 +200,9 @@ NamedPoints correspondences(const Take& take) {
   if (!best.empty()) return best;
   throw InputError(
       take.joints.front().file.string(),
-      fmt::format("has no point that {} has: here are {}, there {}. Say which is which with a mapping",
-                  take.mocap.filename().string(), names_text(names_of(points_by_name(external.front()))),
-                  names_text(names_of(ways.front()))));
+      fmt::format("has no point that {} has: here are {}; there {}. Say which is which with a mapping",
+                  take.mocap.filename().string(), points_text(external.front()),
+                  take.mapping.empty() ? points_text(header) : names_text(names_of(ways.front()))));
 }
 
 std::vector<std::string> unmatched_points(const Take& take, const std::vector<std::string>& names) {
@@ -240,10 +252,9 @@ std::vector<ExternalTrack> read_external(const Plan& plan, const PlannedTake& pl
     if (points.empty())
       throw InputError(
           joints.file.string(),
-          fmt::format("has none of {}; it has {}. Say which is which under \"mapping\"",
-                      names_text(plan.names),
-                      names_text(names_of(joints.mapping.empty() ? points_by_name(positions.header)
-                                                                 : joints.mapping))));
+          fmt::format(
+              "has none of {}; it has {}. Say which is which under \"mapping\"", names_text(plan.names),
+              joints.mapping.empty() ? points_text(positions.header) : names_text(names_of(joints.mapping))));
     auto markers = markers_of(positions.header, points, plan.names, joints.file.string() + " /mapping");
     std::set<std::size_t> used;
     for (const std::vector<std::size_t>& of_point : markers) used.insert(of_point.begin(), of_point.end());

@@ -2,7 +2,10 @@
 #include "pipeline/accuracy/take/marker_track.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -92,6 +95,28 @@ std::string counted_by_name(const MocapTake& positions, std::int64_t MissingCoun
   return fmt::format("{} positions ({})", sum, text);
 }
 
+// The step to which all positions are rounded where it is a centimetre or more; positions that hardly differ
+// show none.
+std::optional<double> rounding_m(const MocapTake& positions) {
+  constexpr std::size_t kMaxFrames = 1000, kMinValues = 20;
+  constexpr double kNear_m = 1e-6;
+  for (const double step_m : {0.1, 0.01}) {
+    std::set<double> values;
+    bool all = true;
+    for (const std::vector<Eigen::Vector3d>& position_m : positions.position_m) {
+      const std::size_t stride = 1 + position_m.size() / kMaxFrames;
+      for (std::size_t frame = 0; all && frame < position_m.size(); frame += stride)
+        for (const double x_m : position_m[frame]) {
+          if (!std::isfinite(x_m)) continue;
+          all = all && std::abs(x_m - step_m * std::round(x_m / step_m)) < kNear_m;
+          values.insert(x_m);
+        }
+    }
+    if (all && values.size() >= kMinValues) return step_m;
+  }
+  return std::nullopt;
+}
+
 // Stretches in which all stand still, and a rate of frames that is lower than the stated one.
 std::vector<std::string> repeat_texts(const MarkerTrack& track) {
   constexpr double kMaxRepeated = 0.2;  // of the other frames
@@ -118,7 +143,12 @@ std::vector<std::string> repeat_texts(const MarkerTrack& track) {
         frozen.size() > kMaxNamed ? fmt::format(" and {} times more", frozen.size() - kMaxNamed) : ""));
   const double share =
       static_cast<double>(elsewhere) / std::max(1.0, static_cast<double>(time.size() - in_frozen));
-  if (share > kMaxRepeated)
+  if (const auto step_m = rounding_m(track.positions()))
+    texts.push_back(
+        fmt::format("has all positions in whole steps of {:g} cm: errors below that are its rounding; export "
+                    "it with more decimals",
+                    100.0 * *step_m));
+  else if (share > kMaxRepeated)
     texts.push_back(fmt::format(
         "repeats the positions of the frame before in {:.0f} % of its frames, so its true rate is {:.0f} % "
         "of the stated one, and what moves stands still between; export it at the rate of the capture",
