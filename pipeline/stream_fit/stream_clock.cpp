@@ -198,62 +198,6 @@ PointStream resized(const PointStream& stream, const std::vector<SizeChange>& si
   return result;
 }
 
-constexpr double kUnknown_m = 0.2;  // counts for an instant of the subject that the reference does not have
-
-// Mean distances over the points, by instant of the subject, with its times later by `start_s`; NaN where the
-// subject has no points.
-std::vector<double> distances_m(const StreamPair& pair, double start_s) {
-  std::vector<double> all_m;
-  std::vector<Eigen::Vector3d> points_m(pair.reference.points);
-  for (std::size_t i = 0; i < pair.subject.instants(); ++i) {
-    pair.reference.at_time(pair.subject.time_s(i) + start_s, points_m);
-    double sum_m = 0.0, count = 0.0;
-    bool has_points = false;
-    for (std::size_t j = 0; j < points_m.size(); ++j) {
-      has_points |= pair.subject.at(i, j).allFinite();
-      if (const double m = (pair.subject.at(i, j) - points_m[j]).norm(); std::isfinite(m)) {
-        sum_m += m;
-        count += 1.0;
-      }
-    }
-    all_m.push_back(count > 0.0 ? sum_m / count : has_points ? kUnknown_m : kNaN);
-  }
-  return all_m;
-}
-
-// Start of a part of the subject, which is taken to differ in nothing else.
-double start_of_part(const StreamPair& pair, std::size_t first, std::size_t end,
-                     const std::vector<std::size_t>& mirrored, StreamFitOptions options) {
-  const PointStream& subject = pair.subject;
-  const auto at = [&](std::size_t instant) {
-    return subject.at_m.begin() + static_cast<std::ptrdiff_t>(instant * subject.points);
-  };
-  const PointStream part{subject.time_s(first), subject.rate_hz, subject.points, {at(first), at(end)}};
-  options.causes = kStartCause;
-  const StreamFit fit = fit_streams({pair.reference, part}, mirrored, options);
-  return fit.changes.empty() ? 0.0 : fit.changes.front().start_s;
-}
-
-// The jump from one start to another that leaves the least distance.
-ClockJump jump_between(const StreamPair& pair, double start_s, double later_start_s) {
-  const std::vector<double> before_m = distances_m(pair, start_s), after_m = distances_m(pair, later_start_s);
-  const auto known_m = [](double m) { return std::isnan(m) ? 0.0 : m; };
-  double sum_m = 0.0, instants = 0.0, least_m = HUGE_VAL;
-  for (const double m : after_m) {
-    sum_m += known_m(m);
-    instants += std::isnan(m) ? 0.0 : 1.0;
-  }
-  std::size_t first_after = 0;
-  for (std::size_t i = 0; i < before_m.size(); ++i) {
-    if (sum_m < least_m) {
-      least_m = sum_m;
-      first_after = i;
-    }
-    sum_m += known_m(before_m[i]) - known_m(after_m[i]);
-  }
-  return {pair.subject.time_s(first_after), start_s, later_start_s - start_s, least_m / instants};
-}
-
 }  // namespace
 
 std::vector<StreamChange> clock_candidates(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
@@ -285,23 +229,6 @@ std::vector<StreamChange> clock_candidates(const StreamPair& pair, const std::ve
   if (has_rates)
     for (const Peak& peak : rates_of(both, search)) add(peak.stretch, peak.start_s);
   return candidates;
-}
-
-std::optional<ClockJump> find_clock_jump(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-                                         const StreamFitOptions& options, double before_m) {
-  constexpr std::array kSplits{0.5, 0.25, 0.75, 0.15, 0.85};
-  constexpr double kExplained = 1.0 / 3.0;
-  std::optional<ClockJump> best;
-  const auto instants = static_cast<double>(pair.subject.instants());
-  for (const double split : kSplits) {
-    const auto middle = static_cast<std::size_t>(split * instants);
-    const double start_s = start_of_part(pair, 0, middle, mirrored, options),
-                 later_start_s = start_of_part(pair, middle, pair.subject.instants(), mirrored, options);
-    if (std::abs(later_start_s - start_s) < options.min_start_s) continue;
-    const ClockJump jump = jump_between(pair, start_s, later_start_s);
-    if (jump.after_m < kExplained * (best ? 3.0 * best->after_m : before_m)) best = jump;
-  }
-  return best;
 }
 
 }  // namespace trilat

@@ -21,18 +21,4 @@ std::vector<StreamChange> clock_candidates(const StreamPair& pair, const std::ve
                                            const std::vector<SizeChange>& sizes,
                                            const StreamFitOptions& options);
 
-// One jump of the subject's clock, as where rows were cut out and those after them numbered on, or where a
-// recording was paused.
-struct ClockJump {
-  double at_s = 0.0;     // the first instant after it, on the subject's clock
-  double start_s = 0.0;  // what is to be added to the times before it
-  double by_s = 0.0;     // what is to be added to the times from it on, beyond `start_s`
-  double after_m = 0.0;  // mean distance between the streams with both
-};
-
-// A jump that explains a difference which fit_streams() does not: with it the mean distance is below a third
-// of `before_m`.
-std::optional<ClockJump> find_clock_jump(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-                                         const StreamFitOptions& options, double before_m);
-
 }  // namespace trilat

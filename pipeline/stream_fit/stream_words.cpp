@@ -253,4 +253,14 @@ std::string jump_note(const ClockJump& jump, double before_m, const StreamWords&
       capitalised(fmt::format("{}", fmt::join(remedies, ", and "))));
 }
 
+std::string part_note(const PartChange& part, double before_m, const StreamWords& words) {
+  return fmt::format(
+      "{} {:.2f} s{} {}: put right there, its mean distance from {} falls from {:.1f} to {:.1f} cm. Put that "
+      "part "
+      "right, or give both parts as files of their own; was a camera moved, or did a tracker begin anew?",
+      part.is_later ? "from" : "until", part.at_s, part.is_later ? " on" : "",
+      joined(texts_of(part.change, words), &CauseText::what, ", and "), words.reference,
+      kCentimetresPerMetre * before_m, kCentimetresPerMetre * part.after_m);
+}
+
 }  // namespace trilat

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/stream_fit/stream_clock.h"
 #include "pipeline/stream_fit/stream_fit.h"
+#include "pipeline/stream_fit/stream_jump.h"
 
 namespace trilat {
 
@@ -30,5 +30,7 @@ std::string exchanged_text(const StreamChange& change, const std::vector<std::st
 std::string stream_note(const StreamFit& fit, const StreamWords& words);
 // The note on a clock that jumps.
 std::string jump_note(const ClockJump& jump, double before_m, const StreamWords& words);
+// The note on a change in a part.
+std::string part_note(const PartChange& part, double before_m, const StreamWords& words);
 
 }  // namespace trilat

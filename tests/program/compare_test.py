@@ -183,6 +183,23 @@ class Compare(Compared):
         library.write_joints(self.folder / "other.csv", self.time_s, {key: at + [2, 0, 1] for key, at in other.items()})
         self.assertRegex(self.compared(self.folder / "other.csv"), "is it the same take, and the same person")
 
+    def test_a_change_in_a_part_of_a_file_is_named_with_where_it_begins(self):
+        self.time_s, self.truth = walk(frames=1000)
+        library.write_joints(self.folder / "truth.csv", self.time_s, self.truth)
+        noise, frames, tried = np.random.default_rng(6), np.arange(1000), 0
+        turned = np.array([[math.cos(0.5), 0, math.sin(0.5)], [0, 1, 0], [-math.sin(0.5), 0, math.cos(0.5)]])
+        for name, part, change, words in (
+                ("shift.csv", frames >= 400, lambda at: at + [0.4, 0.0, 0.5], r"from 8\.\d\d s on lies in another frame than the truth, shifted by"),
+                ("shift.trc", frames < 650, lambda at: at + [-0.5, 0.2, 0.4], r"until 1[23]\.\d\d s lies in another frame than the truth, shifted by"),
+                ("turn.csv", frames >= 600, lambda at: at @ turned.T, r"from 1[12]\.\d\d s on lies in another frame than the truth, turned by -?(28|29)"),
+                ("axes.trc", frames >= 300, lambda at: at[:, [0, 2, 1]] * [1, 1, -1], r"from [56]\.\d\d s on has other axes than the truth"),
+                ("mirror.csv", frames < 500, lambda at: at * [-1, 1, 1], r"until (9|10)\.\d\d s .*mirror")):
+            with self.subTest(name):
+                said = self.compared(self.brought(name, lambda at, key: np.where(part[:, None], change(at), at) + noise.normal(0, 0.01, at.shape)))
+                self.assertRegex(said, f"note: {name}: {words}.*: put right there, its mean distance from the truth falls from \\S+ to [12]\\.\\d cm")
+                tried += 1
+        self.assertEqual(tried, 5)
+
     def test_stretches_in_which_all_stands_still_are_named_and_not_taken_for_a_lower_rate(self):
         frames = np.arange(FRAMES)
         for name, held, words, absent in (

@@ -103,14 +103,20 @@ std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planne
   const StreamFitOptions options{.min_start_s = plan.rig.empty() ? kMinStart_s : kMinStartOfBodies_s};
   const StreamFit fit = fit_streams({reference, subject}, mirrored, options);
   std::optional<ClockJump> jump;
-  if (fit.status == StreamFitStatus::unexplained)
+  std::optional<PartChange> part;
+  if (fit.status == StreamFitStatus::unexplained) {
     jump = find_clock_jump({reference, subject}, mirrored, options, fit.before_m);
+    part = find_part_change({reference, subject}, mirrored, options, fit.before_m);
+    if (jump && part) (jump->after_m <= part->after_m ? part.reset() : jump.reset());
+  }
   const bool shows_start = fit.status == StreamFitStatus::found && fit.changes.front().has_start &&
                            !fit.changes.front().has_stretch;
   const bool is_applied = shows_start && external.joints->clock_by_motion;
   if (is_applied) external.offset_s = fit.changes.front().start_s;
   const StreamWords words{.names = plan.names, .clock_is_applied = is_applied};
-  note(jump ? jump_note(*jump, fit.before_m, words) : stream_note(fit, words));
+  note(jump   ? jump_note(*jump, fit.before_m, words)
+       : part ? part_note(*part, fit.before_m, words)
+              : stream_note(fit, words));
   if (external.joints->clock_by_motion && !shows_start && fit.status != StreamFitStatus::sound)
     note("keeps its own times, since the motion does not say when it starts");
   if (fit.overlap_s <= 0.0 && fit.status != StreamFitStatus::found)

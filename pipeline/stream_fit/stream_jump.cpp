@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "pipeline/stream_fit/stream_jump.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "datasets/base/units.h"
+
+namespace trilat {
+namespace {
+
+constexpr double kUnknown_m = 0.2;  // counts for an instant of the subject that the reference does not have
+
+// Mean distances over the points, by instant of the subject, with its times later by `start_s`; NaN where the
+// subject has no points.
+std::vector<double> distances_m(const StreamPair& pair, double start_s) {
+  std::vector<double> all_m;
+  std::vector<Eigen::Vector3d> points_m(pair.reference.points);
+  for (std::size_t i = 0; i < pair.subject.instants(); ++i) {
+    pair.reference.at_time(pair.subject.time_s(i) + start_s, points_m);
+    double sum_m = 0.0, count = 0.0;
+    bool has_points = false;
+    for (std::size_t j = 0; j < points_m.size(); ++j) {
+      has_points |= pair.subject.at(i, j).allFinite();
+      if (const double m = (pair.subject.at(i, j) - points_m[j]).norm(); std::isfinite(m)) {
+        sum_m += m;
+        count += 1.0;
+      }
+    }
+    all_m.push_back(count > 0.0 ? sum_m / count : has_points ? kUnknown_m : kNaN);
+  }
+  return all_m;
+}
+
+// The fit of a part of the subject, which differs in nothing but these causes.
+StreamFit fit_of_part(const StreamPair& pair, std::size_t first, std::size_t end,
+                      const std::vector<std::size_t>& mirrored, StreamFitOptions options, unsigned causes) {
+  const PointStream& subject = pair.subject;
+  const auto at = [&](std::size_t instant) {
+    return subject.at_m.begin() + static_cast<std::ptrdiff_t>(instant * subject.points);
+  };
+  const PointStream part{subject.time_s(first), subject.rate_hz, subject.points, {at(first), at(end)}};
+  options.causes = causes;
+  return fit_streams({pair.reference, part}, mirrored, options);
+}
+
+double start_of_part(const StreamPair& pair, std::size_t first, std::size_t end,
+                     const std::vector<std::size_t>& mirrored, const StreamFitOptions& options) {
+  const StreamFit fit = fit_of_part(pair, first, end, mirrored, options, kStartCause);
+  return fit.changes.empty() ? 0.0 : fit.changes.front().start_s;
+}
+
+// Where to go over from one explanation to another, whose distances by instant are these: the first instant
+// of the other, and the mean distance that is left. NaN where nothing is known.
+std::pair<std::size_t, double> least_between(const std::vector<double>& one_m,
+                                             const std::vector<double>& other_m) {
+  const auto known_m = [](double m) { return std::isnan(m) ? 0.0 : m; };
+  double sum_m = 0.0, instants = 0.0, least_m = HUGE_VAL;
+  for (const double m : other_m) {
+    sum_m += known_m(m);
+    instants += std::isnan(m) ? 0.0 : 1.0;
+  }
+  std::size_t first_of_other = 0;
+  for (std::size_t i = 0; i < one_m.size(); ++i) {
+    if (sum_m < least_m) {
+      least_m = sum_m;
+      first_of_other = i;
+    }
+    sum_m += known_m(one_m[i]) - known_m(other_m[i]);
+  }
+  return {first_of_other, least_m / instants};
+}
+
+// The jump from one start to another that leaves the least distance.
+ClockJump jump_between(const StreamPair& pair, double start_s, double later_start_s) {
+  const auto [first_after, after_m] =
+      least_between(distances_m(pair, start_s), distances_m(pair, later_start_s));
+  return {pair.subject.time_s(first_after), start_s, later_start_s - start_s, after_m};
+}
+
+// Mean distances over the points with a change, by instant of the reference; NaN where one of both has none.
+std::vector<double> distances_with(const StreamPair& pair, const StreamChange& change) {
+  ChangedPairs pairs(pair, change);
+  std::vector<double> all_m;
+  for (std::size_t i = 0; i < pair.reference.instants(); ++i) {
+    double sum_m = 0.0, count = 0.0;
+    pairs.visit(i, [&](std::size_t, const Eigen::Vector3d& reference, const Eigen::Vector3d& subject) {
+      sum_m += (reference - change.rotation * subject - change.shift_m).norm();
+      count += 1.0;
+    });
+    all_m.push_back(count > 0.0 ? sum_m / count : kNaN);
+  }
+  return all_m;
+}
+
+constexpr std::array kSplits{0.5, 0.25, 0.75, 0.15, 0.85};
+constexpr double kExplained = 1.0 / 3.0;
+
+}  // namespace
+
+std::optional<ClockJump> find_clock_jump(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                                         const StreamFitOptions& options, double before_m) {
+  std::optional<ClockJump> best;
+  const auto instants = static_cast<double>(pair.subject.instants());
+  for (const double split : kSplits) {
+    const auto middle = static_cast<std::size_t>(split * instants);
+    const double start_s = start_of_part(pair, 0, middle, mirrored, options),
+                 later_start_s = start_of_part(pair, middle, pair.subject.instants(), mirrored, options);
+    if (std::abs(later_start_s - start_s) < options.min_start_s) continue;
+    const ClockJump jump = jump_between(pair, start_s, later_start_s);
+    if (jump.after_m < kExplained * (best ? 3.0 * best->after_m : before_m)) best = jump;
+  }
+  return best;
+}
+
+std::optional<PartChange> find_part_change(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                                           const StreamFitOptions& options, double before_m) {
+  const unsigned causes = kAllStreamCauses & ~unsigned{kStartCause | kRateCause | kLaterSizeCause};
+  const std::size_t instants = pair.subject.instants();
+  const std::vector<double> plain_m = distances_with(pair, no_change(options));
+  std::optional<PartChange> best;
+  for (const double split : kSplits) {
+    const auto middle = static_cast<std::size_t>(split * static_cast<double>(instants));
+    for (const bool is_later : {true, false}) {
+      const StreamFit fit =
+          fit_of_part(pair, is_later ? middle : 0, is_later ? instants : middle, mirrored, options, causes);
+      if (fit.status != StreamFitStatus::found) continue;
+      const StreamChange& change = fit.changes.front();
+      const std::vector<double> changed_m = distances_with(pair, change);
+      const auto [at, after_m] =
+          is_later ? least_between(plain_m, changed_m) : least_between(changed_m, plain_m);
+      if (after_m < (best ? best->after_m : kExplained * before_m))
+        best = PartChange{change, is_later, pair.reference.time_s(at), after_m};
+    }
+  }
+  return best;
+}
+
+}  // namespace trilat

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/stream_fit/stream_fit.h"
+
+namespace trilat {
+
+// One jump of the subject's clock, as where rows were cut out and those after them numbered on, or where a
+// recording was paused.
+struct ClockJump {
+  double at_s = 0.0;     // the first instant after it, on the subject's clock
+  double start_s = 0.0;  // what is to be added to the times before it
+  double by_s = 0.0;     // what is to be added to the times from it on, beyond `start_s`
+  double after_m = 0.0;  // mean distance between the streams with both
+};
+
+// A jump that explains a difference which fit_streams() does not: with it the mean distance is below a third
+// of `before_m`.
+std::optional<ClockJump> find_clock_jump(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                                         const StreamFitOptions& options, double before_m);
+
+// A change that holds in a part of the subject alone, as where a camera was moved: until an instant, or from
+// it on.
+struct PartChange {
+  StreamChange change;
+  bool is_later = true;
+  double at_s = 0.0;     // the first instant behind the part's beginning or end
+  double after_m = 0.0;  // mean distance between the streams with it
+};
+
+// A change of frame, names or size in a part, which explains a difference that fit_streams() does not: with
+// it the mean distance is below a third of `before_m`.
+std::optional<PartChange> find_part_change(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                                           const StreamFitOptions& options, double before_m);
+
+}  // namespace trilat
