@@ -39,6 +39,9 @@ void make_folder(const std::filesystem::path& folder);
 // starting with '.'.
 bool is_plain_name(std::string_view text);
 
+// ".csv" of walk.CSV.
+std::string lower_extension(const std::filesystem::path& path);
+
 // Whether `path` is `folder` or below it, by their names alone.
 bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& path);
 

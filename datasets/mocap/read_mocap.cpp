@@ -85,7 +85,10 @@ bool is_wide_table(const std::vector<std::string>& names) {
   for (const OtherFormat& format : kOtherFormats)
     if (line.starts_with(format.begins)) throw InputError(place, format.text);
   if (const std::string_view kind = foreign_kind(line); !kind.empty())
-    throw InputError(place, std::string(kind));
+    throw InputError(
+        place, std::string(kind) + (kind.find("HDF5") == std::string_view::npos
+                                        ? ""
+                                        : "; `trilat fuse` writes the joints of a session as TRC or CSV"));
   if (line.size() > 1 && (line[0] == '\0' || line[1] == '\0'))
     throw InputError(place, "is text in UTF-16; save the file as UTF-8");
   if (is_numbers_only(line))

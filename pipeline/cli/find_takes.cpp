@@ -9,8 +9,10 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/text_output.h"
 #include "datasets/mocap/read_mocap.h"
+#include "datasets/rig/calibration.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/accuracy/proposals.h"
@@ -58,13 +60,13 @@ fs::path nearest_file(const std::string& name, fs::path from, const fs::path& to
 // InputError for one that begins as a motion capture and cannot be read: passed over, its take would be
 // evaluated without it.
 bool is_mocap(const fs::path& file) {
-  if (!std::set<std::string>{".csv", ".trc", ".c3d"}.contains(file.extension().string())) return false;
+  if (!std::set<std::string>{".csv", ".trc", ".c3d"}.contains(lower_extension(file))) return false;
   return is_mocap_file(file) && !read_mocap_header(file).assets.empty();
 }
 
 // A table beside a recording that is in no format that is read.
 void note_unread(const fs::path& file, FoundTakes& found) {
-  if (!std::set<std::string>{".csv", ".trc", ".tsv", ".c3d"}.contains(file.extension().string())) return;
+  if (!std::set<std::string>{".csv", ".trc", ".tsv", ".c3d"}.contains(lower_extension(file))) return;
   try {
     if (!is_joint_csv(file)) read_mocap_header(file);
   } catch (const InputError& error) {
@@ -87,7 +89,8 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
     if (const auto one = std::ranges::find(all, stem, &fs::path::stem); one != all.end()) return *one;
   if (all.empty()) return {};
   // beside OptiTrack's own export a TRC is what another method gave
-  if (all.size() > 1) std::erase_if(all, [](const fs::path& file) { return file.extension() == ".trc"; });
+  if (all.size() > 1)
+    std::erase_if(all, [](const fs::path& file) { return lower_extension(file) == ".trc"; });
   if (all.size() == 1 && std::ranges::count(sessions, session.parent_path(), &fs::path::parent_path) == 1)
     return all.front();
   found.notes.push_back(fmt::format("{}: which motion capture belongs to it is not clear; call it {}{}",
@@ -105,7 +108,7 @@ std::vector<ExternalJoints> joints_beside(const Take& take, const std::vector<fs
   std::vector<fs::path> files;
   for (const auto& file : fs::directory_iterator(folder))
     if (file.is_regular_file() && file.path() != take.mocap &&
-        (is_mocap(file.path()) || (file.path().extension() == ".csv" && is_joint_csv(file.path()))))
+        (is_mocap(file.path()) || (lower_extension(file.path()) == ".csv" && is_joint_csv(file.path()))))
       files.push_back(file.path());
   std::ranges::sort(files);
   for (const fs::path& file : files) {
@@ -124,7 +127,8 @@ FoundTake take_of(const SessionReader& reader, const fs::path& session, const Ta
   const bool has_folder = inside.has_parent_path(), has_name = stem != "session";
   FoundTake found;
   found.take.participant = has_folder ? inside.begin()->string() : stem;
-  found.take.activity = has_folder && has_name ? stem : search.activity;
+  const std::string activity = reader.header().simulated ? "simulated" : "recorded";
+  found.take.activity = has_folder && has_name ? stem : search.activity.empty() ? activity : search.activity;
   fs::path id = has_name ? fs::path(inside).replace_extension() : inside.parent_path();
   found.take.id = fmt::format("{}", fmt::join(std::vector<std::string>(id.begin(), id.end()), "-"));
   found.take.id = plain_id(found.take.id.empty() ? stem : found.take.id);
@@ -153,7 +157,7 @@ std::set<fs::path> calibration_sessions_of(const Campaign& known) {
 std::vector<fs::path> find_sessions(const TakeSearch& search, const Campaign& known, FoundTakes& found) {
   const std::set<fs::path> known_sessions = sessions_of(known), calibrations = calibration_sessions_of(known);
   std::vector<fs::path> sessions;
-  for (const fs::path& file : files_below(search.folder, {".h5"})) try {
+  for (const fs::path& file : files_below(search.folder, {".h5", ".hdf5"})) try {
       const SessionReader reader(file);
       const fs::path canonical = fs::weakly_canonical(file);
       const bool is_known = known_sessions.contains(canonical);
@@ -184,11 +188,27 @@ std::vector<fs::path> find_sessions(const TakeSearch& search, const Campaign& kn
                    "trilat.convert one of somebody else's");
 }
 
+// The calibrations by other names below a folder, as a text that says what to do; empty without any.
+std::string other_calibrations(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::path& file : files_below(folder, {".json"})) try {
+      read_calibration(file);
+      names.push_back(fs::relative(file, folder).string());
+    } catch (const InputError&) {
+    }
+  if (names.empty()) return {};
+  return fmt::format("{} {}: call the one of this rig calibration.json", fmt::join(names, " and "),
+                     names.size() == 1 ? "is a calibration" : "are calibrations");
+}
+
 // Adds to a take what lies beside its recording.
 void add_files_beside(Take& take, const TakeSearch& search, const std::vector<fs::path>& sessions,
                       FoundTakes& found) {
   const std::string session = take.session.string();
   take.calibration = nearest_file("calibration.json", take.session.parent_path(), search.folder);
+  if (take.calibration.empty())
+    if (const std::string others = other_calibrations(search.folder); !others.empty())
+      throw InputError(session, "has no calibration.json in its folder or above; " + others);
   if (take.calibration.empty())
     throw InputError(session,
                      fmt::format("has no calibration.json in its folder or above; `trilat calibrate {} "

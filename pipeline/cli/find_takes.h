@@ -12,7 +12,7 @@ namespace trilat {
 // Where `trilat init` looks for recordings.
 struct TakeSearch {
   std::filesystem::path folder;
-  std::string activity;  // of recordings that are called session.h5
+  std::string activity;  // of recordings that are called session.h5; empty: recorded, or simulated
   std::string up_axis;   // of the motion capture: y, z, or empty
 };
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 struct InitArguments {
   fs::path folder = ".";
-  std::string name, activity = "recorded";
+  std::string name, activity;
   double start_within_s = 150.0;
   std::string up_axis;       // of the motion capture: y, z, or empty
   fs::path propose_mapping;  // of this motion capture, and nothing else; empty: the folder
@@ -254,8 +254,8 @@ void add_init(CLI::App& app, int& code) {
   verb.add_option("folder", a.folder, "with recordings, calibration.json and motion capture beside them")
       ->capture_default_str();
   verb.add_option("--name", a.name, "of the campaign; else the folder's");
-  verb.add_option("--activity", a.activity, "what is done in recordings that are called session.h5")
-      ->capture_default_str();
+  verb.add_option("--activity", a.activity,
+                  "what is done in recordings that are called session.h5; else recorded, or simulated");
   verb.add_option("--start-within-s", a.start_within_s,
                   "how far apart a recording and its motion capture began at most")
       ->check(CLI::Range(0.1, 3600.0))

@@ -114,7 +114,8 @@ Json json_of(const SessionReader& session, std::size_t sensor) {
 
 // By its name, or by what every HDF5 file begins with.
 bool may_be_session(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path) || path.extension() == ".h5" || path.extension() == ".partial")
+  if (!std::filesystem::is_regular_file(path) || lower_extension(path) == ".h5" ||
+      path.extension() == ".partial")
     return true;
   std::string begin(4, '\0');
   std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));

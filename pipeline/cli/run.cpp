@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/known_names.h"
+#include "datasets/base/text_output.h"
 #include "pipeline/cli/built_in.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
@@ -65,8 +67,25 @@ void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, 
   check_output_folder({arguments.output, inputs, arguments.force}, mark);
 }
 
+// Recordings in the place of a study.
+void refuse_recordings(const std::filesystem::path& path) {
+  const bool is_campaign =
+      std::filesystem::exists(path / "campaign.json") || path.filename() == "campaign.json";
+  const bool is_session = lower_extension(path) == ".h5" && std::filesystem::is_regular_file(path);
+  if (!is_campaign && !is_session) return;
+  const std::filesystem::path folder = std::filesystem::is_directory(path) ? path : path.parent_path();
+  throw InputError(path.string(),
+                   is_campaign
+                       ? fmt::format("is a campaign, and no study; `trilat run table3 --campaign {} -o "
+                                     "RESULTS` evaluates it, and so does any STUDY.json",
+                                     shell_word(folder.empty() ? "." : folder.string()))
+                       : "is a recording, and no study; `trilat init FOLDER` makes a campaign and a study "
+                         "of a folder of them");
+}
+
 // A file, or the name of a study that is built in. Its scales are those of `trilat reproduce`.
 Json read_study(const std::filesystem::path& study) {
+  refuse_recordings(study);
   const std::vector<std::string> names = built_in_studies();
   if (std::filesystem::is_regular_file(study) || study.has_extension() || study.has_parent_path()) {
     Json json = read_json(study);

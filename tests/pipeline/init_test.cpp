@@ -207,6 +207,44 @@ TEST(Init, NamesATableBesideARecordingThatIsNotRead) {
                                HasSubstr("joints.csv:1: has three columns a joint")));
 }
 
+// As Windows and other programs name them.
+TEST(Init, EndingsOfAnyCaseAndHdf5AreFound) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  std::filesystem::rename(own / "p01/walking.h5", own / "p01/walking.H5");
+  std::filesystem::rename(own / "p01/walking.csv", own / "p01/walking.CSV");
+  std::filesystem::rename(own / "p02/walking.h5", own / "p02/walking.hdf5");
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("p01-walking: walking of p01, 4 sensors; walking.CSV starts "),
+                               HasSubstr("p02-walking: walking of p02, 4 sensors; walking.csv starts ")))
+      << ended.err;
+  EXPECT_EQ(run_trilat(folder, {"info", (own / "p01/walking.H5").string()}).code, 0);
+  EXPECT_EQ(run_trilat(folder, {"info", (own / "p01/walking.CSV").string()}).code, 0);
+}
+
+TEST(Init, CalibrationsOfOtherNamesAreNamed) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  std::filesystem::rename(own / "calibration.json", own / "rig_may.json");
+  expect_refused(run_trilat(folder, {"init", own.string()}),
+                 "rig_may.json is a calibration: call the one of this rig calibration.json");
+  std::filesystem::copy_file(own / "rig_may.json", own / "p01/calib.json");
+  expect_refused(run_trilat(folder, {"init", own.string()}),
+                 "p01/calib.json and rig_may.json are calibrations: call");
+}
+
+TEST(Init, WhatIsDoneInASessionWithoutANameIsSimulatedWhereItIs) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  for (const char* participant : {"p01", "p02"}) {
+    std::filesystem::rename(own / participant / "walking.h5", own / participant / "session.h5");
+    std::filesystem::rename(own / participant / "walking.csv", own / participant / "mocap.csv");
+  }
+  EXPECT_THAT(run_trilat(folder, {"init", own.string()}).out, HasSubstr("p01: simulated of p01, 4 sensors"));
+  EXPECT_THAT(run_trilat(folder, {"init", own.string(), "--force", "--activity", "walking"}).out,
+              HasSubstr("p01: walking of p01, 4 sensors"));
+}
+
 TEST(Init, SaysWhatIsMissingAndReplacesNothing) {
   const ScratchFolder folder;
   const auto own = own_folder(folder);

@@ -196,6 +196,16 @@ sys.exit(code)
         self.assertNotRegex(said, r"\d{20}")
         self.assertIn("--rate-hz: is 0; it must lie between 0.1 and 1000", trilat("fuse", "s.h5", "--rate-hz", "0", "--calibration", "c", "-o", "x.trc", code=2))
 
+    def test_recordings_in_the_place_of_a_study_or_of_joints_are_named_with_what_takes_them(self):
+        campaign = made() / "campaign"
+        session = next(campaign.glob("*/session.h5"))
+        for given in (campaign, campaign / "campaign.json"):
+            self.assertIn(f"is a campaign, and no study; `trilat run table3 --campaign {campaign} -o RESULTS` evaluates it", trilat("run", given, "-o", "r", code=2))
+        self.assertIn("is a recording, and no study; `trilat init FOLDER` makes", trilat("run", session, "-o", "r", code=2))
+        truth = session.with_name("truth.csv")
+        for words in ((session, truth), (truth, session)):
+            self.assertIn("`trilat fuse` writes the joints of a session as TRC or CSV", trilat("compare", *words, "-o", "r", code=2))
+
     def test_a_session_that_was_cut_is_named_so(self):
         session = next((made() / "campaign").glob("*/session.h5"))
         cut = self.folder / "cut.h5"
