@@ -40,9 +40,9 @@ struct OtherFormat {
   const char* text;
 };
 constexpr const char* kHeaderIsMissing =
-    "is Motive's CSV without its first rows, so that unit, rate and names are unknown; export it again with "
-    "the "
-    "header switched on, and keep all rows";
+    "is Motive's CSV without its first rows, which state unit, rate and names; export it again with the "
+    "header "
+    "switched on, and keep all rows";
 constexpr OtherFormat kOtherFormats[] = {
     {"NO_OF_", "is Qualisys' TSV, which is not read; export C3D from Qualisys Track Manager instead"},
     {"FILE_VERSION", "is Qualisys' TSV, which is not read; export C3D from Qualisys Track Manager instead"},

@@ -98,7 +98,7 @@ void skip_axes(LineReader& lines) {
 
 struct TimedRow {
   std::int64_t frame;
-  double time_s;  // in the file's unit
+  double time;  // in the file's unit
 };
 
 // The first rows of data, up to one whose frame does not advance.
@@ -113,7 +113,7 @@ std::vector<TimedRow> first_rows(const std::filesystem::path& path) {
     const Cells cells = tab_cells(line);
     TimedRow row{};
     if (cells.size() < kFirst || !parse_integer(cells[0], row.frame) ||
-        parse_cell(cells[1], row.time_s) != CellKind::number)
+        parse_cell(cells[1], row.time) != CellKind::number)
       continue;
     if (!rows.empty() && row.frame <= rows.back().frame) break;
     rows.push_back(row);
@@ -123,8 +123,8 @@ std::vector<TimedRow> first_rows(const std::filesystem::path& path) {
 
 // Of the first of them, as many as have times that grow.
 std::size_t count_advancing(const std::vector<TimedRow>& rows) {
-  const auto end = std::ranges::adjacent_find(
-      rows, [](const TimedRow& a, const TimedRow& b) { return a.time_s >= b.time_s; });
+  const auto end =
+      std::ranges::adjacent_find(rows, [](const TimedRow& a, const TimedRow& b) { return a.time >= b.time; });
   return end == rows.end() ? rows.size() : static_cast<std::size_t>(end - rows.begin()) + 1;
 }
 
@@ -167,14 +167,14 @@ void settle_trc_rate(const std::filesystem::path& path, ColumnHeader& columns) {
   if (advancing < 2) {
     if (!is_stated)
       throw InputError(path.string(), "states no DataRate of 1 to 9000 Hz, and its rows have no times");
-    if (rows.size() < 2 || rows.front().time_s != rows.back().time_s) return;
+    if (rows.size() < 2 || rows.front().time != rows.back().time) return;
     columns.layout.time_unit_s = kNaN;
     header.taken_as = fmt::format("its times are all {:g}: its header's rate of {:.4g} Hz counts",
-                                  rows.front().time_s, stated_hz);
+                                  rows.front().time, stated_hz);
     return;
   }
   const auto frames = static_cast<double>(rows[advancing - 1].frame - rows[0].frame);
-  const double span = rows[advancing - 1].time_s - rows[0].time_s;
+  const double span = rows[advancing - 1].time - rows[0].time;
   const auto fits = [&](double unit_s) {
     constexpr double kDiffers = 0.02;
     return std::abs(stated_hz * span * unit_s / frames - 1.0) <= kDiffers;
