@@ -109,10 +109,12 @@ JointReading reading_of(const Body& body, std::size_t joint) {
 
 void JointFaults::add(const Body& body) {
   std::array<bool, kJointCount> is_seen{};
+  ++bodies_;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     const JointReading reading = reading_of(body, j);
     is_seen[j] = reading == JointReading::seen;
     joints_ += is_seen[j] || reading == JointReading::out_of_reach ? 1 : 0;
+    behind_ += is_seen[j] && body.position_m[j][2] < 0.0F ? 1 : 0;
     if (reading != JointReading::out_of_reach) continue;
     ++out_of_reach_[j];
     const double range = distance_m(body.position_m[j], {});
@@ -141,6 +143,7 @@ void JointFaults::add(const Body& body) {
 }
 
 std::optional<std::string> JointFaults::misread_text() const {
+  if (auto text = unseen_text()) return text;
   if (const auto size = odd_size()) return size_text(*size);
   if (auto text = same_place_text()) return text;
   if (auto text = too_long_text()) return text;
@@ -219,6 +222,17 @@ std::optional<std::string> JointFaults::spine_text() const {
     if (spines_[k] >= kMinBodies && 10 * exchanged_[k] >= 9 * spines_[k])
       return fmt::format("{} lies farther from {} than {} does: are the two exchanged?",
                          name_of(kSpine[k].lower), name_of(kSpine[k].from), name_of(kSpine[k].upper));
+  return std::nullopt;
+}
+
+std::optional<std::string> JointFaults::unseen_text() const {
+  if (bodies_ < kMinBodies) return std::nullopt;
+  if (joints_ == 0)
+    return fmt::format(
+        "none of {} bodies has a joint that is tracked or inferred: write 2 for joints that are", bodies_);
+  if (10 * behind_ >= 9 * joints_)
+    return "joints lie behind the sensor, at negative z: has z another sign than the distance before a "
+           "Kinect?";
   return std::nullopt;
 }
 

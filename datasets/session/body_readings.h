@@ -38,9 +38,12 @@ class JointFaults {
   std::optional<std::string> too_long_text() const;
   std::optional<std::string> spine_text() const;
   std::optional<std::string> same_place_text() const;
+  std::optional<std::string> unseen_text() const;
 
   std::array<std::uint64_t, kJointCount> out_of_reach_{};
+  std::uint64_t bodies_ = 0;
   std::uint64_t joints_ = 0;                // tracked or inferred, and finite
+  std::uint64_t behind_ = 0;                // of these, at negative z
   std::uint64_t at_sensor_ = 0;             // of those out of reach
   std::array<std::uint64_t, 2> in_unit_{};  // of those out of reach, within reach as millimetres, centimetres
   std::array<std::array<std::uint32_t, kBins>, kBoneCount> lengths_{};

@@ -16,6 +16,7 @@ DEPTH_SHAPE = (424, 512)  # rows, columns
 MOST_BODIES = 6           # of a frame
 MOST_SENSORS = 64
 SLOWEST_HZ, FASTEST_HZ = 1.0, 100.0  # of a Kinect's frames, which come 30 times a second
+LONGEST_NS = 2**59  # of a clock that began at 0, some 18 years
 TICKS_NS = (100, 1, 1000, 1_000_000)  # of clocks that count in 100 ns, ns, us and ms
 # A typical Kinect v2, for recordings that do not say their own.
 TYPICAL_INTRINSICS = {"fx_px": 365.456, "fy_px": 365.456, "cx_px": 254.878, "cy_px": 205.395,
@@ -74,15 +75,29 @@ def _check_ticks(name: str, ticks: np.ndarray, tick_ns: int) -> None:
                                        f"makes 30; {remedy}")
 
 
+def _ticks(name: str, given: np.ndarray, tick_ns: int) -> np.ndarray:
+    """Whole ticks; InputError for seconds, and for times since 1970."""
+    if given.dtype.kind == "f" and len(given) > 2 and SLOWEST_HZ <= 1 / max(np.median(np.diff(given)), 1e-9) <= FASTEST_HZ:
+        raise InputError(f"sensor {name}", f"device_ticks rise by {np.median(np.diff(given)):.4g}, as seconds do; write np.rint(seconds * 1e9 / tick_ns)")
+    if len(given) and not abs(float(given[0]) * tick_ns) < LONGEST_NS:
+        raise InputError(f"sensor {name}", f"device_ticks begin at {given[0]}, {given[0] * tick_ns / 3.156e16:.0f} years from 0, as since 1970; "
+                                           "take the first of all sensors from them")
+    return np.rint(given).astype(np.int64)
+
+
 def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """The tables of frames and of bodies, checked."""
     def column(values: object, default: np.ndarray, what: str) -> np.ndarray:
         array = default if values is None else np.asarray(values)
         if array.shape != default.shape:
             raise InputError(f"sensor {name}", f"{what} has the shape {array.shape}; {default.shape} is expected")
-        return array.astype(default.dtype)
+        stored = array.astype(default.dtype)
+        if default.dtype.kind in "iu" and (wrong := array[stored != array]).size:
+            limits = np.iinfo(default.dtype)
+            raise InputError(f"sensor {name}", f"{what} has {wrong.flat[0]}; whole numbers from {limits.min} to {limits.max} are stored")
+        return stored
 
-    ticks = np.asarray(s.device_ticks, np.int64).reshape(-1)
+    ticks = _ticks(name, np.asarray(s.device_ticks).reshape(-1), s.tick_ns)
     bodies = len(np.asarray(s.frame).reshape(-1))
     frame = column(s.frame, np.zeros(bodies, np.uint64), "frame").astype(np.int64)
     if (np.diff(ticks) <= 0).any():
@@ -103,12 +118,12 @@ def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[st
              "tracking_state": column(s.tracking_state, zeros((bodies, JOINT_COUNT), np.uint8), "tracking_state"),
              "hand_state": column(s.hand_state, zeros((bodies, 2), np.uint8), "hand_state"),
              "hand_confidence": column(s.hand_confidence, zeros((bodies, 2), np.uint8), "hand_confidence")}
-    if (table["tracking_state"] > 2).any():
-        raise InputError(f"sensor {name}", "tracking_state goes from 0 to 2")
+    if (table["tracking_state"] > 2).any() or np.asarray(s.tracking_state).dtype == bool:
+        raise InputError(f"sensor {name}", "tracking_state goes from 0 to 2: not tracked, inferred, tracked")
     if not np.isfinite(table["position_m"][table["tracking_state"] > 0]).all():
         raise InputError(f"sensor {name}", "position_m has a joint that is not a number; call it not tracked (state 0)")
     frames = {"sequence": column(s.sequence, np.arange(len(ticks), dtype=np.int64), "sequence"), "device_ticks": ticks,
-              "arrival_ns": column(s.arrival_ns, ticks * s.tick_ns, "arrival_ns"),
+              "arrival_ns": column(None if s.arrival_ns is None else np.rint(s.arrival_ns), ticks * s.tick_ns, "arrival_ns"),
               "floor_plane": column(s.floor_plane, zeros((len(ticks), 4), np.float32), "floor_plane"),
               "body_count": counts.astype(np.uint8)}
     return frames, table

@@ -64,7 +64,25 @@ TEST(JointFaults, ASoundPersonOfAnySizeHasNone) {
               body.position_m[15] = {3, 0, 2.5F};
             }),
             "");
-  EXPECT_EQ(text_of([](Body& body) { body.position_m.fill({}), body.tracking_state.fill(0); }), "");
+}
+
+TEST(JointFaults, BodiesOfWhichNoJointIsSeenAreNamed) {
+  const BodyChange unseen = [](Body& body) { body.position_m.fill({}), body.tracking_state.fill(0); };
+  EXPECT_EQ(text_of(unseen),
+            "none of 40 bodies has a joint that is tracked or inferred: write 2 for joints that are");
+  EXPECT_EQ(text_of(unseen, 29), "");
+  EXPECT_EQ(text_of([](Body& body) { body.tracking_state.fill(0), body.tracking_state[3] = 1; }), "");
+}
+
+TEST(JointFaults, JointsBehindTheSensorAreNamed) {
+  const auto behind = [](std::size_t joints) {
+    return text_of([=](Body& body) {
+      for (std::size_t j = 0; j < joints; ++j) body.position_m[j][2] *= -1.0F;
+    });
+  };
+  EXPECT_THAT(behind(kJointCount), HasSubstr("joints lie behind the sensor, at negative z"));
+  EXPECT_THAT(behind(23), HasSubstr("joints lie behind the sensor, at negative z"));
+  EXPECT_THAT(behind(22), testing::Not(HasSubstr("behind the sensor")));
 }
 
 // Of joints that are not tracked positions say nothing, however far from the others they lie.
@@ -132,7 +150,8 @@ TEST(JointFaults, JointsInAnotherOrderAreNamedByTheirBones) {
                 "most 0.45; "));
   EXPECT_EQ(text_of(reverse, 29), "");
   EXPECT_NE(text_of(reverse, 30), "");
-  EXPECT_EQ(text_of([](Body& body) { reverse(body), body.tracking_state.fill(0); }), "");
+  EXPECT_THAT(text_of([](Body& body) { reverse(body), body.tracking_state.fill(0); }),
+              testing::StartsWith("none of 40 bodies"));
 }
 
 // All bones alike: the unit, not the order.

@@ -135,6 +135,11 @@ std::vector<Spoiled> all_spoiled() {
       {"neck_and_head",
        bodies(exchange_neck_and_head),
        {"k1, k2, k3, k4: neck lies farther from spine_shoulder than head does: are the two exchanged?"}},
+      {"z_of_other_sign",
+       bodies([](BodyPositions& joints) {
+         for (auto& at : joints) at[2] = -at[2];
+       }),
+       {"k1, k2, k3, k4: joints lie behind the sensor, at negative z"}},
       {"elbows_at_shoulders",
        bodies([](BodyPositions& joints) {
          for (const auto& [shoulder, elbow] : {std::pair{Joint::shoulder_left, Joint::elbow_left},

@@ -178,12 +178,20 @@ class Door(Opened):
                                (with_(position_m=np.zeros((5, 20, 3))), r"position_m has the shape \(5, 20, 3\); \(5, 25, 3\)"),
                                (with_(position_m=nan), "call it not tracked"),
                                (with_(tracking_state=np.full((5, 25), 3)), "goes from 0 to 2"),
+                               (with_(tracking_state=np.full((5, 25), True)), "goes from 0 to 2: not tracked, inferred, tracked"),
+                               (with_(tracking_state=np.full((5, 25), 0.9)), "tracking_state has 0.9; whole numbers from 0 to 255 are stored"),
+                               (with_(tracking_state=np.full((5, 25), -1)), "tracking_state has -1; whole numbers"),
+                               (with_(hand_state=np.full((5, 2), 256)), "hand_state has 256; whole numbers from 0 to 255"),
+                               (with_(device_ticks=np.arange(5) / 30), r"rise by 0.03333, as seconds do; write np.rint\(seconds \* 1e9 / tick_ns\)"),
+                               (with_(device_ticks=(1.7e9 + np.arange(5) / 30) * 1e7), "54 years from 0, as since 1970; take the first of all sensors"),
                                (with_(depth=[(0, 0, 0, np.zeros((10, 10)))]), "depth frame 0 has the shape")):
             with self.assertRaisesRegex(trilat.InputError, words):
                 trilat.write_session(self.folder / "refused.h5", sensors)
             self.assertEqual(list(self.folder.glob("refused*")), [])
         path = self.folder / "kept.h5"
-        trilat.write_session(path, {"k1": self.sensor()})
+        trilat.write_session(path, with_(device_ticks=np.arange(5) * 333_333.3, tracking_state=np.full((5, 25), 2.0), arrival_ns=np.arange(5) * 33_333_330.4))
+        with h5py.File(path) as file:
+            np.testing.assert_array_equal(file["sensors/k1/body_frames/device_ticks"][:], [0, 333_333, 666_667, 1_000_000, 1_333_333])
         with self.assertRaisesRegex(trilat.InputError, "is there already"):
             trilat.write_session(path, {"k1": self.sensor()})
 
