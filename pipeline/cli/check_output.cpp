@@ -94,6 +94,13 @@ bool holds_nothing_else(const fs::path& folder) {
   });
 }
 
+// A mark, as a run leaves it that was refused before it computed anything.
+bool holds_a_mark_alone(const fs::path& folder) {
+  return std::ranges::all_of(fs::directory_iterator(folder), [](const fs::directory_entry& entry) {
+    return entry.path().filename() == "run.json";
+  });
+}
+
 [[noreturn]] void refuse(const fs::path& output, const std::string& what) {
   throw InputError(output.string(), what + ". Choose another name, or replace it with --force");
 }
@@ -103,7 +110,7 @@ bool holds_nothing_else(const fs::path& folder) {
 void check_output_folder(const OutputRequest& output, const OutputMark& mark) {
   const bool is_there = fs::exists(fs::symlink_status(output.path)),
              is_folder = fs::is_directory(output.path);
-  const bool is_empty = is_folder && holds_nothing_else(output.path);
+  const bool is_empty = is_folder && (holds_nothing_else(output.path) || holds_a_mark_alone(output.path));
   const std::optional<OutputMark> there = is_folder ? mark_in(output.path) : std::nullopt;
   const bool is_own = is_empty || (there && is_same_thing(*there, mark));
   refuse_inputs(output, is_own);

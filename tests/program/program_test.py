@@ -200,11 +200,14 @@ sys.exit(code)
         campaign = made() / "campaign"
         session = next(campaign.glob("*/session.h5"))
         for given in (campaign, campaign / "campaign.json"):
-            self.assertIn(f"is a campaign, and no study; `trilat run table3 --campaign {campaign} -o RESULTS` evaluates it", trilat("run", given, "-o", "r", code=2))
-        self.assertIn("is a recording, and no study; `trilat init FOLDER` makes", trilat("run", session, "-o", "r", code=2))
+            self.assertIn(f"is a campaign, and no study; `trilat run table3 --campaign {campaign} -o RESULTS` evaluates it", trilat("run", given, "-o", self.folder / "r", code=2))
+        self.assertIn("is a recording, and no study; `trilat init FOLDER` makes", trilat("run", session, "-o", self.folder / "r", code=2))
         truth = session.with_name("truth.csv")
         for words in ((session, truth), (truth, session)):
-            self.assertIn("`trilat fuse` writes the joints of a session as TRC or CSV", trilat("compare", *words, "-o", "r", code=2))
+            self.assertIn("`trilat fuse` writes the joints of a session as TRC or CSV", trilat("compare", *words, "-o", self.folder / "r", code=2))
+        # what was refused is in the way of nothing
+        trilat("compare", session.with_name("mocap.csv"), truth, "--mapping", session.with_name("mapping.json"), "-o", self.folder / "r")
+        self.assertIn("r: holds what `trilat compare` wrote", trilat("compare", truth, truth, "-o", self.folder / "r", code=2))
 
     def test_a_session_that_was_cut_is_named_so(self):
         session = next((made() / "campaign").glob("*/session.h5"))
