@@ -305,10 +305,13 @@ void Agents::sync_and_acknowledge(ByteStream& stream, Agent& agent, Copy* copy, 
     const std::lock_guard lock(mutex_);
     if (agent.connection != number) return;
     copy->synced = std::max(copy->synced, size);
-    copy->done = copy->has_ended && copy->synced == copy->size;
   }
   acknowledged = Clock::now();
   stream.write_all(encode_message(AckMessage{size, draining_}));
+  if (!copy) return;
+  // only then: a recording whose logs are all done ends, and the agent must know that its own is
+  const std::lock_guard lock(mutex_);
+  copy->done = copy->has_ended && copy->synced == copy->size;
 }
 
 // Under the lock.
