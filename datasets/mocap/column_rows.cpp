@@ -19,7 +19,7 @@ std::size_t count_fields(std::string_view line) {
   return static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
 }
 
-// What printed times are that run so many times as fast as the frames; empty where it is no unit of theirs.
+// Names the unit of printed times that run so many times as fast as the frames; empty where no unit fits.
 std::string time_unit_text(double times_as_fast, double rate_hz) {
   constexpr double kDiffers = 0.02;
   const std::pair<double, const char*> units[] = {
@@ -70,6 +70,7 @@ class RowReader {
   std::int64_t rows_ = 0;            // read so far
   std::int64_t previous_index_ = 0;  // of the row before
   std::int64_t first_missing_ = 0;   // frame that the rows leave out; 0: none
+  std::int64_t repeated_times_ = 0;  // rows with the printed time of the row before
   std::int64_t steps_back_ = 0;      // rows whose frame is before that of the row before
   double first_printed_s_ = kNaN, last_printed_s_ = kNaN;  // of rows that were taken
   double zero_printed_s_ = kNaN;          // printed time of the first frame, from the first row that has one
@@ -144,8 +145,9 @@ void RowReader::check_times() {
   constexpr std::int64_t kMinRows = 10;
   const bool advance = last_printed_s_ > first_printed_s_;
   if (rows_ < kMinRows) return;
-  if (advance && anomalies_.largest_time_error_s <= min_printed_step_s_)
-    anomalies_.printed_time_differs = 0;  // they are rounded to that step
+  // rounded to steps of some frames, which then share a time
+  if (advance && 4 * repeated_times_ >= rows_ && anomalies_.largest_time_error_s <= min_printed_step_s_)
+    anomalies_.printed_time_differs = 0;
   if (2 * anomalies_.printed_time_differs <= rows_) return;
   if (!advance)
     throw InputError(lines_.place(),
@@ -279,6 +281,7 @@ bool RowReader::add_time(std::int64_t index, double printed_s) {
     take_.header.first_frame = index;
     if (std::isfinite(printed_s)) take_.first_s = printed_s;
   }
+  repeated_times_ += !is_first && printed_s == last_printed_s_ ? 1 : 0;
   if (printed_s > last_printed_s_)
     min_printed_step_s_ = std::min(min_printed_step_s_, printed_s - last_printed_s_);
   last_printed_s_ = printed_s;

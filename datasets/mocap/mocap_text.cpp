@@ -35,8 +35,8 @@ std::string_view bare(std::string_view text) {
   return text;
 }
 
-// Old C libraries print what is not a number as 1.#IND0000, 1.#QNAN, 1.#INF; some drop the "1.". The words
-// are those of R, Excel, Python and JavaScript.
+// Whether a cell says that a value is missing: NA, None and so on in R, Excel, Python and JavaScript;
+// 1.#IND0000, 1.#QNAN or 1.#INF in old C libraries, some of which drop the "1.".
 bool spells_not_a_number(std::string_view text) {
   for (std::string_view word : {"NA", "N/A", "#N/A", "None", "null"})
     if (text == word) return true;

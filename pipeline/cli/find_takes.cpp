@@ -157,7 +157,7 @@ std::set<fs::path> calibration_sessions_of(const Campaign& known) {
 std::vector<fs::path> find_sessions(const TakeSearch& search, const Campaign& known, FoundTakes& found) {
   const std::set<fs::path> known_sessions = sessions_of(known), calibrations = calibration_sessions_of(known);
   std::vector<fs::path> sessions;
-  for (const fs::path& file : files_below(search.folder, {".h5", ".hdf5"})) try {
+  for (const fs::path& file : files_below(search.folder, kSessionEndings)) try {
       const SessionReader reader(file);
       const fs::path canonical = fs::weakly_canonical(file);
       const bool is_known = known_sessions.contains(canonical);

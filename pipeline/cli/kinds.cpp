@@ -29,21 +29,17 @@ std::function<int(const Shard&, bool, const RunControl&)> prints(Json plan, std:
   };
 }
 
-bool is_session_name(const fs::path& path) {
-  return lower_extension(path) == ".h5" || lower_extension(path) == ".hdf5";
-}
-
 // A campaign, or a folder of recordings without campaign.json, or one session.
 Campaign recordings_of(const fs::path& of_study, const RunArguments& arguments) {
   const fs::path folder = arguments.campaign.empty() ? of_study : arguments.campaign;
-  const bool is_session = is_session_name(folder) && fs::is_regular_file(folder);
+  const bool is_session = kSessionEndings.contains(lower_extension(folder)) && fs::is_regular_file(folder);
   if (!is_session &&
       (!fs::is_directory(folder) || fs::exists(folder / "campaign.json") || fs::exists(folder / "items")))
     return campaign_of(of_study, arguments);
   Campaign campaign;
   campaign.name = fs::absolute(folder).lexically_normal().stem().string();
   campaign.folder = is_session ? folder.parent_path() : folder;
-  for (const fs::path& file : is_session ? std::vector{folder} : files_below(folder, {".h5", ".hdf5"})) {
+  for (const fs::path& file : is_session ? std::vector{folder} : files_below(folder, kSessionEndings)) {
     if (add_calibration_recording(file, campaign)) continue;
     Take& take = campaign.takes.emplace_back();
     take.id = is_session ? file.filename().string() : file.lexically_relative(folder).generic_string();
@@ -100,7 +96,7 @@ OpenedStudy open_calibration(const RunArguments& arguments, const Json& study) {
   const CalibrationSpec spec =
       read_as<CalibrationSpec>(study, {arguments.study.string(), arguments.study.parent_path()});
   Campaign campaign = recordings_of(spec.campaign, arguments);
-  if (is_session_name(arguments.campaign) && !campaign.takes.empty())
+  if (kSessionEndings.contains(lower_extension(arguments.campaign)) && !campaign.takes.empty())
     campaign.wand = {.session = campaign.takes.front().session};
   OpenedStudy opened =
       open_recordings(arguments, spec, campaign, calibration_recordings(spec, campaign), run_calibration);

@@ -75,7 +75,9 @@ Campaign campaign_of(const std::filesystem::path& of_study, const RunArguments& 
 // Enters a recording that its name calls a wand's or a wall's ("wand/session.h5", "wall_2m.h5"), or beside
 // which places.csv states a ball's distances; of several wands the first. False for another, which is a take.
 bool add_calibration_recording(const std::filesystem::path& session, Campaign& campaign);
-// All files that end so, below a folder, in order; not in folders of results.
+// Endings of a session's file, in small letters.
+inline const std::set<std::string> kSessionEndings{".h5", ".hdf5"};
+// All files that end so, in letters of either case, below a folder, in order; not in folders of results.
 std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder,
                                                const std::set<std::string>& extensions);
 // Everything that it reads.

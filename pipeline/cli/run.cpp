@@ -71,7 +71,8 @@ void check_run_output(const RunArguments& arguments, const OpenedStudy& opened, 
 void refuse_recordings(const std::filesystem::path& path) {
   const bool is_campaign =
       std::filesystem::exists(path / "campaign.json") || path.filename() == "campaign.json";
-  const bool is_session = lower_extension(path) == ".h5" && std::filesystem::is_regular_file(path);
+  const bool is_session =
+      kSessionEndings.contains(lower_extension(path)) && std::filesystem::is_regular_file(path);
   if (!is_campaign && !is_session) return;
   const std::filesystem::path folder = std::filesystem::is_directory(path) ? path : path.parent_path();
   throw InputError(path.string(),
@@ -85,8 +86,8 @@ void refuse_recordings(const std::filesystem::path& path) {
 
 // A file, or the name of a study that is built in. Its scales are those of `trilat reproduce`.
 Json read_study(const std::filesystem::path& study) {
-  refuse_recordings(study);
   const std::vector<std::string> names = built_in_studies();
+  if (std::ranges::find(names, study.string()) == names.end()) refuse_recordings(study);
   if (std::filesystem::is_regular_file(study) || study.has_extension() || study.has_parent_path()) {
     Json json = read_json(study);
     if (json.is_object()) json.erase("scales");

@@ -82,7 +82,12 @@ def _ticks(name: str, given: np.ndarray, tick_ns: int) -> np.ndarray:
     if len(given) and not abs(float(given[0]) * tick_ns) < LONGEST_NS:
         raise InputError(f"sensor {name}", f"device_ticks begin at {given[0]}, {given[0] * tick_ns / 3.156e16:.0f} years from 0, as since 1970; "
                                            "take the first of all sensors from them")
-    return np.rint(given).astype(np.int64)
+    return _whole(given).astype(np.int64)
+
+
+def _whole(values: np.ndarray) -> np.ndarray:
+    """Fractions rounded; integers as they are, since a float holds no more than 2**53 of them."""
+    return np.rint(values) if np.asarray(values).dtype.kind == "f" else np.asarray(values)
 
 
 def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -123,7 +128,7 @@ def _columns(name: str, s: SensorFrames) -> tuple[dict[str, np.ndarray], dict[st
     if not np.isfinite(table["position_m"][table["tracking_state"] > 0]).all():
         raise InputError(f"sensor {name}", "position_m has a joint that is not a number; call it not tracked (state 0)")
     frames = {"sequence": column(s.sequence, np.arange(len(ticks), dtype=np.int64), "sequence"), "device_ticks": ticks,
-              "arrival_ns": column(None if s.arrival_ns is None else np.rint(s.arrival_ns), ticks * s.tick_ns, "arrival_ns"),
+              "arrival_ns": column(None if s.arrival_ns is None else _whole(s.arrival_ns), ticks * s.tick_ns, "arrival_ns"),
               "floor_plane": column(s.floor_plane, zeros((len(ticks), 4), np.float32), "floor_plane"),
               "body_count": counts.astype(np.uint8)}
     return frames, table

@@ -85,7 +85,7 @@ TEST(JointFaults, JointsBehindTheSensorAreNamed) {
   EXPECT_THAT(behind(22), testing::Not(HasSubstr("behind the sensor")));
 }
 
-// Of joints that are not tracked positions say nothing, however far from the others they lie.
+// The position of a joint that is not tracked says nothing, however far from the other joints it lies.
 TEST(JointFaults, BonesToJointsThatAreNotSeenDoNotCount) {
   EXPECT_EQ(text_of([](Body& body) {
               for (const Joint joint : {Joint::spine_mid, Joint::elbow_left, Joint::elbow_right,

@@ -122,6 +122,10 @@ TEST(ReadMocap, SaysInWhichUnitTheTimesAre) {
   for (const double step_s : {0.1, 0.02, 0.05})  // as a spreadsheet rounds them
     EXPECT_EQ(refused([step_s](int i) { return step_s * std::round(0.01 * i / step_s); }), "was read")
         << step_s;
+  // every hundredth frame, of a file whose true rate is 1 % lower
+  std::string sparse = keys("1.23") + "\n" + kMarkerHeadings;
+  for (int i = 0; i < 40; ++i) sparse += fmt::format("{},{:.6f},1,2,3\n", 100 * i, 1.01 * i);
+  EXPECT_THAT(csv_refusal(sparse).problem, HasSubstr("by the times the rate is 99.0099 Hz"));
   EXPECT_THAT(refused([](int) { return 0.5; }),
               HasSubstr("the times of all rows are 0.5; write frame / rate"));
 }

@@ -124,6 +124,11 @@ AngleRange range_of(Activity activity, const std::function<double(const Skeleton
   return range;
 }
 
+void expect_range(const AngleRange& range, double min_deg, double max_deg, double within_deg) {
+  EXPECT_NEAR(range.min_deg, min_deg, within_deg);
+  EXPECT_NEAR(range.max_deg, max_deg, within_deg);
+}
+
 double bend_rad(const SkeletonPose& pose, Joint from, Joint at, Joint to) {
   const Vector3d in = pose.at(at) - pose.at(from), out = pose.at(to) - pose.at(at);
   return std::atan2(in.cross(out).norm(), in.dot(out));
@@ -148,28 +153,16 @@ TEST(GeneratedPerson, ArmsAndTrunkSwingAsFarAsTheActivitySays) {
     const auto bend = [&, from = shoulder, at = elbow, to = wrist](const SkeletonPose& pose) {
       return bend_rad(pose, from, at, to);
     };
-    AngleRange range = range_of(Activity::walking, arm);
-    EXPECT_NEAR(range.min_deg, -25.8, 0.3);
-    EXPECT_NEAR(range.max_deg, 25.8, 0.3);
-    range = range_of(Activity::walking, bend);
-    EXPECT_NEAR(range.min_deg, 20.0, 0.4);
-    EXPECT_NEAR(range.max_deg, 37.0, 0.4);
-    range = range_of(Activity::arm_swing, arm);
-    EXPECT_NEAR(range.min_deg, -40.1, 0.3);
-    EXPECT_NEAR(range.max_deg, 63.0, 0.3);
-    range = range_of(Activity::arm_swing, bend);
-    EXPECT_NEAR(range.min_deg, 17.1, 0.4);
-    EXPECT_NEAR(range.max_deg, 39.9, 0.5);
+    expect_range(range_of(Activity::walking, arm), -25.8, 25.8, 0.3);
+    expect_range(range_of(Activity::walking, bend), 20.0, 37.0, 0.4);
+    expect_range(range_of(Activity::arm_swing, arm), -40.1, 63.0, 0.3);
+    expect_range(range_of(Activity::arm_swing, bend), 17.1, 39.8, 0.4);
   }
   const auto lean = [](const SkeletonPose& pose) {
     return -flexion_rad(pose, Joint::neck, Joint::spine_base);
   };
-  AngleRange range = range_of(Activity::arm_swing, lean);
-  EXPECT_NEAR(range.min_deg, -1.15, 0.02);
-  EXPECT_NEAR(range.max_deg, 1.15, 0.02);
-  range = range_of(Activity::walking, lean);
-  EXPECT_NEAR(range.min_deg, 2.86, 0.02);
-  EXPECT_NEAR(range.max_deg, 2.86, 0.02);
+  expect_range(range_of(Activity::arm_swing, lean), -1.15, 1.15, 0.02);
+  expect_range(range_of(Activity::walking, lean), 2.86, 2.86, 0.02);
 }
 
 TEST(GeneratedPerson, AFootIsLiftedByAFifthOfItsStep) {

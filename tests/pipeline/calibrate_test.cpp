@@ -15,7 +15,6 @@ using Eigen::Vector3d;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-using testing::StartsWith;
 
 std::string complaint_about_scene(const DepthScene& scene) {
   const ScratchFolder folder;

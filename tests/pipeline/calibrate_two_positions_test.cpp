@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-// Of each sensor one body frame.
+// Writes one body frame for each sensor.
 void record_floors(const std::filesystem::path& path, const std::vector<RigidTransform>& rig) {
   SessionWriter writer(path, header_of(rig.size(), false));
   for (std::size_t s = 0; s < rig.size(); ++s)

@@ -13,7 +13,6 @@ namespace {
 using Eigen::Vector3d;
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::Not;
 using testing::StartsWith;
 
 std::string complaint_about(WandObservations views, const CalibrateWandOptions& options = {}) {

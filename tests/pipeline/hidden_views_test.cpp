@@ -49,7 +49,7 @@ TEST(HiddenViews, AreThoseThatATrackerWhichKnowsThemInfers) {
   EXPECT_THAT(ids, testing::Contains("rules"));
 }
 
-// One of four sensors sees nobody, so the rules are judged by three quarters of the views.
+// One sensor of the four sees no person, so three quarters of the views judge the rules.
 TEST(HiddenViews, RulesAreJudgedByTheViewsThatSeeTheJoint) {
   const ScratchFolder folder;
   Campaign campaign = simulate_into(folder / "c", swinging_spec());

@@ -103,7 +103,7 @@ inline Spoil tracked(std::size_t sensor,
   };
 }
 
-// As drivers and converters write joints that were not seen: (0, 0, 0) and "tracked"; or some number.
+// Puts one joint at a fixed place and calls it tracked, as drivers write joints that they did not see.
 inline Spoil joint_put(std::size_t sensor, Joint joint, std::array<float, 3> where_m) {
   return [=](Recorded& recorded) {
     change_frames(recorded, [=](std::size_t s, BodyFrame& frame) {

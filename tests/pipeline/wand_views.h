@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What sensors without an error would have seen of a wand, and the poses that follow.
+// Sightings of a wand by sensors that make no errors, and expectations on the poses that follow from them.
 #pragma once
 
 #include <functional>
@@ -30,7 +30,7 @@ inline void expect_pose(const SensorPose& pose, const RigidTransform& truth, dou
       << pose.name;
 }
 
-// What sensors without an error would have seen of the ball at rest.
+// Sightings of the ball at rest by sensors that make no errors.
 inline WandObservations views_of(const std::vector<RigidTransform>& rig,
                                  const std::vector<Eigen::Vector3d>& places,
                                  const std::function<bool(std::size_t sensor, std::size_t place)>& sees) {

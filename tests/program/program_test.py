@@ -202,6 +202,9 @@ sys.exit(code)
         for given in (campaign, campaign / "campaign.json"):
             self.assertIn(f"is a campaign, and no study; `trilat run table3 --campaign {campaign} -o RESULTS` evaluates it", trilat("run", given, "-o", self.folder / "r", code=2))
         self.assertIn("is a recording, and no study; `trilat init FOLDER` makes", trilat("run", session, "-o", self.folder / "r", code=2))
+        (self.folder / "table1").mkdir()  # a campaign that is called as a study is
+        shutil.copy(campaign / "campaign.json", self.folder / "table1/campaign.json")
+        trilat("run", "table1", "--dry-run", "-o", self.folder / "t", cwd=self.folder)
         truth = session.with_name("truth.csv")
         for words in ((session, truth), (truth, session)):
             self.assertIn("`trilat fuse` writes the joints of a session as TRC or CSV", trilat("compare", *words, "-o", self.folder / "r", code=2))

@@ -192,6 +192,11 @@ class Door(Opened):
         trilat.write_session(path, with_(device_ticks=np.arange(5) * 333_333.3, tracking_state=np.full((5, 25), 2.0), arrival_ns=np.arange(5) * 33_333_330.4))
         with h5py.File(path) as file:
             np.testing.assert_array_equal(file["sensors/k1/body_frames/device_ticks"][:], [0, 333_333, 666_667, 1_000_000, 1_333_333])
+        exact = 2**58 + 1 + np.arange(5) * 33_333_331  # beyond what a float counts by ones
+        trilat.write_session(path, with_(device_ticks=exact, arrival_ns=exact, tick_ns=1), force=True)
+        with h5py.File(path) as file:
+            for column in ("device_ticks", "arrival_ns"):
+                np.testing.assert_array_equal(file[f"sensors/k1/body_frames/{column}"][:], exact)
         with self.assertRaisesRegex(trilat.InputError, "is there already"):
             trilat.write_session(path, {"k1": self.sensor()})
 

@@ -70,7 +70,7 @@ const NamedPoint* find_point(const NamedPoints& points, const std::string& name)
 // "Ann:LASI" -> "lasi".
 std::string without_subject(const std::string& name) { return plain_name(name.substr(name.rfind(':') + 1)); }
 
-// The point whose name differs in the subject before the colon; none where that tells persons apart.
+// The only point that has the name but for the subject before the colon; none where several persons have it.
 const NamedPoint* find_point_of_subject(const NamedPoints& points, const std::vector<std::string>& names,
                                         const std::string& name) {
   const std::string wanted = without_subject(name);
