@@ -66,6 +66,15 @@ std::string_view foreign_kind(std::string_view first_bytes) {
       {"\x89HDF", "is HDF5, as sessions and the takes of results are"},
       {"\x93NUMPY", "is an array of numpy; write it with write_joints() of the Python package"},
       {"MATLAB 5", "is a MAT-file of MATLAB; write positions as CSV or TRC"},
+      {"EVENTS1", "is a recording of Kinect Studio, which is not read"},
+      {"\x1A\x45\xDF\xA3",
+       "is a video (Matroska), as the Azure Kinect's recorder writes; `python3 -m trilat.convert "
+       "azure-kinect` "
+       "takes the JSON that Microsoft's offline_processor makes of it"},
+      {"#ROSBAG", "is a bag of ROS; write positions as CSV or TRC"},
+      {"\x89PNG", "is a picture"},
+      {"\xFF\xD8\xFF", "is a picture"},
+      {std::string_view("\0\0\0\0", 4), "begins with zeros; was it copied whole?"},
       {"%PDF", "is a PDF"}};
   for (const auto& [begin, kind] : kKinds)
     if (first_bytes.starts_with(begin)) return kind;

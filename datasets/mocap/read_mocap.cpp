@@ -53,16 +53,21 @@ constexpr OtherFormat kOtherFormats[] = {
     {"HIERARCHY", "is BVH, whose joints are angles; export positions instead, as TRC or CSV"},
     {"Coordinates", "is a motion of OpenSim, whose joints are angles; write the markers as TRC instead"},
     {"<?xml", "is XML, such as Xsens' MVNX; export positions instead, as C3D, TRC or CSV"},
-    {"{",
-     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
-     "trilat.convert azure-kinect` makes one of offline_processor's JSON"},
-    {"[",
-     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
-     "trilat.convert azure-kinect` makes one of offline_processor's JSON"},
     {"Format Version;", "has semicolons between its cells; save the file with commas"},
     {"Format Version\t", "has tabs between its cells; save the file with commas"},
     {",Type,", kHeaderIsMissing},
     {"Frame,Time (Seconds)", kHeaderIsMissing}};
+// And how they are called.
+struct OtherEnding {
+  std::string_view ending;
+  const char* text;
+};
+constexpr OtherEnding kOtherEndings[] = {
+    {".sto", "is a table of OpenSim, which is not read; write the markers as TRC instead"},
+    {".mot", "is a motion of OpenSim, whose joints are angles; write the markers as TRC instead"},
+    {".asf", "is a skeleton of Acclaim, whose joints are angles; export positions instead, as TRC or CSV"},
+    {".amc", "is a motion of Acclaim, whose joints are angles; export positions instead, as TRC or CSV"},
+    {".skeleton", "is a .skeleton, as of NTU RGB+D; `python3 -m trilat.convert ntu` makes a session of it"}};
 constexpr const char* kKnownFormats =
     "is neither motion capture (Motive's CSV, which begins with \"Format Version,1.2\", or TRC) nor a CSV of "
     "joints, whose first row is time_s,joint,x_m,y_m,z_m";
@@ -81,16 +86,41 @@ bool is_wide_table(const std::vector<std::string>& names) {
   return triples > 0;
 }
 
-[[noreturn]] void refuse_file(std::string_view line, const std::string& place) {
+[[noreturn]] void refuse_json(const std::filesystem::path& path, const std::string& place) {
+  std::string begin(std::size_t{1} << 20, '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  const auto has = [&](const char* key) { return begin.find(key) != std::string::npos; };
+  if (has("\"pose_keypoints_2d\""))
+    throw InputError(
+        place,
+        "is JSON of OpenPose, whose key points are pixels of one picture; make positions of several cameras' "
+        "key points, as Pose2Sim does, and give its TRC");
+  if (has("\"joint_names\""))
+    throw InputError(place,
+                     "is JSON, and no motion capture; bodies of a Kinect belong into a session: `python3 -m "
+                     "trilat.convert azure-kinect` makes one of offline_processor's JSON");
+  throw InputError(
+      place,
+      "is JSON, and no motion capture; write a row for each time and joint instead, with the columns "
+      "time_s,joint,x_m,y_m,z_m");
+}
+
+[[noreturn]] void refuse_file(const std::filesystem::path& path, std::string_view line,
+                              const std::string& place) {
   for (const OtherFormat& format : kOtherFormats)
     if (line.starts_with(format.begins)) throw InputError(place, format.text);
+  if (line.starts_with('{') || line.starts_with('[')) refuse_json(path, place);
   if (const std::string_view kind = foreign_kind(line); !kind.empty())
     throw InputError(
         place, std::string(kind) + (kind.find("HDF5") == std::string_view::npos
                                         ? ""
                                         : "; `trilat fuse` writes the joints of a session as TRC or CSV"));
-  if (line.size() > 1 && (line[0] == '\0' || line[1] == '\0'))
+  if (line.size() > 1 && (line[0] == '\0') != (line[1] == '\0'))
     throw InputError(place, "is text in UTF-16; save the file as UTF-8");
+  for (const OtherEnding& format : kOtherEndings)
+    if (lower_extension(path) == format.ending) throw InputError(place, format.text);
+  if (line.find('\0') != std::string_view::npos)
+    throw InputError(place, "is a binary file of an unknown format; write positions as CSV or TRC");
   if (is_numbers_only(line))
     throw InputError(place,
                      "the file begins with data and has no header, so that unit, rate and names are unknown; "
@@ -161,7 +191,7 @@ ColumnHeader read_header(const std::filesystem::path& path, LineReader& lines) {
   } else if (is_arena(line)) {
     refuse_with_converter(path, "in the rows of Arena and Tracking Tools", "arena");
   } else {
-    refuse_file(line, lines.place());
+    refuse_file(path, line, lines.place());
   }
   for (std::size_t i = 0; i < columns.header.assets.size(); ++i)
     columns.header.assets[i].column = std::ranges::min(columns.layout.columns[i]) + 1;

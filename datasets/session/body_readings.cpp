@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -140,6 +141,27 @@ void JointFaults::add(const Body& body) {
     spines_[k] += std::isfinite(lower_m + upper_m) ? 1 : 0;
     exchanged_[k] += lower_m > upper_m + kClearly_m ? 1 : 0;
   }
+  add_stance(body, is_seen);
+}
+
+// A person faces along left x up, and a foot lies before its ankle: of 200 recordings of sensors, which saw
+// people from the front, the side and behind, in 83 % of the bodies at least.
+void JointFaults::add_stance(const Body& body, std::span<const bool> is_seen) {
+  using enum Joint;
+  const auto seen = [&](auto... joints) { return (is_seen[static_cast<std::size_t>(joints)] && ...); };
+  const auto at = [&](Joint j) {
+    return Eigen::Map<const Eigen::Vector3f>(body.position_m[static_cast<std::size_t>(j)].data());
+  };
+  for (const auto& [ankle, foot] : {std::pair{ankle_left, foot_left}, std::pair{ankle_right, foot_right}}) {
+    if (!seen(head, ankle)) continue;
+    ++heads_;
+    heads_below_ += at(head).y() < at(ankle).y() ? 1 : 0;
+    if (!seen(foot, shoulder_left, shoulder_right, hip_left, hip_right, spine_shoulder, spine_base)) continue;
+    const Eigen::Vector3f left = at(shoulder_left) - at(shoulder_right) + at(hip_left) - at(hip_right);
+    ++feet_;
+    feet_backward_ +=
+        (at(foot) - at(ankle)).dot(left.cross(at(spine_shoulder) - at(spine_base))) < 0.0F ? 1 : 0;
+  }
 }
 
 std::optional<std::string> JointFaults::misread_text() const {
@@ -148,6 +170,19 @@ std::optional<std::string> JointFaults::misread_text() const {
   if (auto text = same_place_text()) return text;
   if (auto text = too_long_text()) return text;
   return spine_text();
+}
+
+std::optional<std::string> JointFaults::mirrored_text() const {
+  const bool is_mirrored = feet_ >= kMinBodies && 10 * feet_backward_ >= 7 * feet_;
+  if (heads_ >= kMinBodies && 10 * heads_below_ >= 9 * heads_)
+    return fmt::format("heads lie below the feet: does y point down{}? A Kinect's points up",
+                       is_mirrored ? "" : ", and x to the other side");
+  if (is_mirrored)
+    return fmt::format(
+        "feet point backwards in {} % of the bodies: are left and right exchanged, or is an axis mirrored? A "
+        "Kinect's x grows to its own left, its y upwards, its z away from it",
+        100 * feet_backward_ / feet_);
+  return std::nullopt;
 }
 
 std::optional<std::string> JointFaults::out_of_reach_text() const {

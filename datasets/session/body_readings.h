@@ -29,10 +29,13 @@ class JointFaults {
   std::optional<std::string> out_of_reach_text() const;
   // Positions in another unit, or of other joints, which tell nothing of poses and truth.
   std::optional<std::string> misread_text() const;
+  // Persons who hang upside down, or whose feet point backwards: axes of another sign, or exchanged sides.
+  std::optional<std::string> mirrored_text() const;
 
  private:
   static constexpr double kBin_m = 0.02;
   static constexpr std::size_t kBins = 100;  // the last one for all that are longer
+  void add_stance(const Body& body, std::span<const bool> is_seen);
   double median_length_m(std::size_t bone) const;
   std::optional<double> odd_size() const;  // of the bones, in those of a person
   std::optional<std::string> too_long_text() const;
@@ -47,7 +50,9 @@ class JointFaults {
   std::uint64_t at_sensor_ = 0;             // of those out of reach
   std::array<std::uint64_t, 2> in_unit_{};  // of those out of reach, within reach as millimetres, centimetres
   std::array<std::array<std::uint32_t, kBins>, kBoneCount> lengths_{};
-  std::array<std::uint64_t, 3> spines_{}, exchanged_{};                      // by kSpine
+  std::array<std::uint64_t, 3> spines_{}, exchanged_{};  // by kSpine
+  std::uint64_t heads_ = 0, heads_below_ = 0;            // the feet
+  std::uint64_t feet_ = 0, feet_backward_ = 0;
   std::array<std::uint64_t, 2 * kBoneCount> pairs_seen_{}, in_one_place_{};  // by apart()
 };
 

@@ -151,6 +151,8 @@ struct BodyCounts {
       place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
     if (const auto text = joints.misread_text())
       place.say(Severity::error, "/bodies/position_m", *text, kPositions);
+    if (const auto text = joints.mirrored_text())
+      place.say(Severity::error, "/bodies/position_m", *text, kPositions);
     if (identities.jumps() > 0)
       place.say(Severity::warning, "/bodies/tracking_id",
                 fmt::format("{} times a body moves more than 1 m from one frame to the next under one id; "

@@ -65,7 +65,8 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
                        "has no body frames, from which the sensors could be placed");
     clocks.push_back(fit_sensor_clock(session, s));
     bodies.push_back(read_sensor_bodies(session, s, clocks.back(), options.stop_requested));
-    for (const auto& text : {bodies[s].joints.out_of_reach_text(), bodies[s].joints.misread_text()})
+    const JointFaults& joints = bodies[s].joints;
+    for (const auto& text : {joints.out_of_reach_text(), joints.misread_text(), joints.mirrored_text()})
       if (text) notes.push_back(session.header().sensors[s].name + ": " + *text);
   }
   const Span span = common_span(session, clocks);

@@ -86,6 +86,56 @@ TEST(JointFaults, JointsBehindTheSensorAreNamed) {
 }
 
 // The position of a joint that is not tracked says nothing, however far from the other joints it lies.
+// Each axis by its factor.
+BodyChange turned(float x, float y, float z) {
+  return [=](Body& body) {
+    for (auto& at : body.position_m) at = {at[0] * x, at[1] * y, (at[2] - 2.5F) * z + 2.5F};
+  };
+}
+
+TEST(JointFaults, PersonsOnTheirHeadsAreNamedByTheAxesThatWereTurned) {
+  EXPECT_EQ(faults_of(turned(1, 1, 1)).mirrored_text(), std::nullopt);
+  const auto y = faults_of(turned(1, -1, 1)).mirrored_text(),
+             x_and_y = faults_of(turned(-1, -1, 1)).mirrored_text();
+  EXPECT_EQ(y, "heads lie below the feet: does y point down? A Kinect's points up");
+  EXPECT_EQ(x_and_y,
+            "heads lie below the feet: does y point down, and x to the other side? A Kinect's points up");
+}
+
+TEST(JointFaults, FeetThatPointBackwardsTellExchangedSidesAndMirroredAxes) {
+  std::vector<std::pair<Joint, Joint>> sides;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    if (const auto joint = static_cast<Joint>(j); mirror_of(joint) > joint)
+      sides.emplace_back(joint, mirror_of(joint));
+  for (const BodyChange& change : {turned(-1, 1, 1), turned(1, 1, -1), exchanged(sides)})
+    EXPECT_THAT(
+        faults_of(change).mirrored_text().value_or(""),
+        HasSubstr(
+            "feet point backwards in 100 % of the bodies: are left and right exchanged, or is an axis"));
+  EXPECT_EQ(faults_of(turned(-1, 1, -1)).mirrored_text(), std::nullopt) << "a person seen from behind";
+  EXPECT_EQ(faults_of(turned(-1, 1, 1), 14).mirrored_text(), std::nullopt) << "28 feet are too few";
+  const auto some = [](int backward) {
+    JointFaults faults;
+    for (int i = 0; i < 100; ++i) {
+      Body body = standing_body();
+      if (i < backward) turned(-1, 1, 1)(body);
+      faults.add(body);
+    }
+    return faults.mirrored_text().has_value();
+  };
+  EXPECT_FALSE(some(69));
+  EXPECT_TRUE(some(70));
+}
+
+TEST(JointFaults, FeetThatAreNotSeenTellNothing) {
+  const BodyChange hidden = [](Body& body) {
+    turned(-1, -1, 1)(body);
+    for (const Joint joint : {Joint::ankle_left, Joint::ankle_right})
+      body.tracking_state[static_cast<std::size_t>(joint)] = 0;
+  };
+  EXPECT_EQ(faults_of(hidden).mirrored_text(), std::nullopt);
+}
+
 TEST(JointFaults, BonesToJointsThatAreNotSeenDoNotCount) {
   EXPECT_EQ(text_of([](Body& body) {
               for (const Joint joint : {Joint::spine_mid, Joint::elbow_left, Joint::elbow_right,

@@ -106,6 +106,8 @@ inline Body standing_body() {
     body.position_m[j] = {kPlaces_m[j][0], kPlaces_m[j][1], 2.5F};
     body.tracking_state[j] = 2;
   }
+  for (const Joint foot : {Joint::foot_left, Joint::foot_right})  // towards the sensor, before the ankles
+    body.position_m[static_cast<std::size_t>(foot)][2] = 2.38F;
   return body;
 }
 

@@ -270,7 +270,16 @@ TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
       {"Trajectories\n100\n", "is a CSV of Vicon Nexus"},
       {"HIERARCHY\nROOT Hips\n", "is BVH, whose joints are angles"},
       {"<?xml version=\"1.0\"?>\n", "is XML, such as Xsens' MVNX"},
-      {"[{\"frame\": 1}]\n", "is JSON, and no motion capture"},
+      {"[{\"frame\": 1}]\n", "is JSON, and no motion capture; write a row for each time and joint instead"},
+      {"{\n  \"people\": [{\"pose_keypoints_2d\": [1, 2, 0.5]}]}\n",
+       "is JSON of OpenPose, whose key points are pixels"},
+      {"{\n  \"bone_list\": [],\n  \"joint_names\": [\"PELVIS\"]}\n",
+       "`python3 -m trilat.convert azure-kinect` makes one"},
+      {"\x1A\x45\xDF\xA3 and so on", "is a video (Matroska), as the Azure Kinect's recorder writes"},
+      {"EVENTS1 and so on", "is a recording of Kinect Studio, which is not read"},
+      {"\x89PNG\r\n", "is a picture"},
+      {std::string(64, '\0'), "begins with zeros; was it copied whole?"},
+      {std::string("\x7F\x02\x03\0\x01", 5), "is a binary file of an unknown format"},
       {"\xFF\xFEt\0i\0", "is text in UTF-16"},
       {std::string("t\0i\0m\0e\0", 8), "is text in UTF-16"},
       {"PK\x03\x04 and so on", "is a spreadsheet or an archive; unpack it, or save the table as CSV"},
@@ -295,6 +304,22 @@ TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirNames) {
       {"frame,time,hip\n0,0,1\n", "a CSV of joints, whose first row is time_s,joint,x_m,y_m,z_m"},
       {"hello\n", "is neither motion capture (Motive's CSV"}};
   for (const auto& [text, said] : files) EXPECT_THAT(marker_refusal(text), HasSubstr(said));
+}
+
+TEST(MotionCaptureFiles, FilesOfOtherSystemsAreRefusedByTheirEndings) {
+  const ScratchFolder folder;
+  const struct {
+    const char *name, *text, *said;
+  } files[] = {{"walk.sto", "Marker\nversion=1\n", "is a table of OpenSim"},
+               {"walk.mot", "walk\nversion=1\n", "is a motion of OpenSim, whose joints are angles"},
+               {"01.ASF", ":version 1.10\n", "is a skeleton of Acclaim"},
+               {"01.amc", "#!OML:ASF\n", "is a motion of Acclaim"},
+               {"a.skeleton", "1\n1\n", "`python3 -m trilat.convert ntu` makes a session of it"},
+               {"a.csv", "1\n1\n", "is neither motion capture"}};
+  for (const auto& [name, text, said] : files) {
+    write_file(folder / name, text);
+    EXPECT_THAT(message_of([&] { read_mocap(folder / name); }), HasSubstr(said));
+  }
 }
 
 TEST(MotionCaptureFiles, AC3dIsNamedWithTheConverter) {

@@ -54,6 +54,16 @@ Spoil bodies_scaled(float by) {
   });
 }
 
+// Poses of cameras whose own axes have other signs than a Kinect's.
+Spoil with_axes(const Eigen::Vector3d& signs) {
+  return calibrated([signs](Calibration& c) {
+    for (SensorPose& sensor : c.sensors) {
+      Eigen::Quaterniond& rotation = sensor.world_from_sensor.rotation;
+      rotation = Eigen::Quaterniond(rotation.toRotationMatrix() * signs.asDiagonal());
+    }
+  });
+}
+
 void put_bodies_in_the_world(Recorded& recorded) {
   const Calibration calibration = read_calibration(recorded.take().calibration);
   change_frames(recorded, [&](std::size_t s, BodyFrame& frame) {
@@ -184,6 +194,32 @@ std::vector<Spoiled> all_spoiled() {
          }
        }),
        {"calibration.json", "has quaternions in the order w, x, y, z, it seems; wanted are x, y, z, w"}},
+      {"camera_axes",
+       with_axes({-1.0, -1.0, 1.0}),
+       {"calibration.json", "has a camera's axes, it seems; wanted are x to the sensor's left, y up",
+        "put right"}},
+      {"axes_of_opengl",
+       with_axes({-1.0, 1.0, -1.0}),
+       {"calibration.json", "has a camera's axes, it seems; wanted are x to the sensor's left, y up",
+        "falls from"}},
+      {"bodies_in_camera_axes",
+       bodies([](BodyPositions& joints) {
+         for (auto& at : joints) at = {-at[0], -at[1], at[2]};
+       }),
+       {"spoiled.h5: k1, k2, k3, k4: heads lie below the feet", "spoiled.h5: all sensors see the person",
+        "with x, y, z of all bodies read as (-x, -y, z), put right", "Write the bodies so"}},
+      {"bodies_with_y_down",
+       bodies([](BodyPositions& joints) {
+         for (auto& at : joints) at[1] = -at[1];
+       }),
+       {"spoiled.h5: k1, k2, k3, k4: heads lie below the feet: does y point down? A Kinect's"}},
+      {"bodies_with_exchanged_sides",
+       bodies([](BodyPositions& joints) {
+         for (std::size_t j = 0; j < kJointCount; ++j)
+           if (const Joint other = mirror_of(static_cast<Joint>(j)); other > static_cast<Joint>(j))
+             std::swap(joints[j], joints[static_cast<std::size_t>(other)]);
+       }),
+       {"spoiled.h5: k1, k2, k3, k4: feet point backwards in ", "are left and right exchanged"}},
       {"large_calibration",
        calibrated([](Calibration& c) {
          for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m *= 1.05;

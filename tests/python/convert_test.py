@@ -25,6 +25,7 @@ from trilat.convert.campaign import refuse_other_files
 from trilat.errors import InputError
 from trilat.outputs import folder_aside, refuse_inputs_within
 from trilat.program import program_path
+from trilat.skeleton import JOINT_NUMBER
 
 SHARED = Path(__file__).resolve().parents[3] / "shared/data"
 ENDS = made.PERIOD_TICKS
@@ -113,8 +114,31 @@ class ConvertTest(unittest.TestCase):
         self.assertEqual(report["k1"]["out_of_reach"], 2)
 
     def test_times_in_another_unit_are_refused(self):
-        rows = "".join(made.labanotation_row(i, 690 + 33 * i) for i in range(5))  # milliseconds
-        self.assertRegex(self.refused("labanotation", self.file("a.csv", rows)), "a.csv: has 303030 frames a second.*milliseconds")
+        for per_s, text, remedy in ((1_000, "{:.0f}", "multiplied by 10,000"), (1_000_000, "{:.0f}", "multiplied by 10 "),
+                                    (1, "{:.6f}", "multiplied by 10,000,000"), (1_000_000_000, "{:.0f}", "divided by 100 "),
+                                    (90_000, "{:.0f}", "in another unit")):
+            times = [text.format((0.69 + i / 30) * per_s) for i in range(9)]
+            rows = "".join(made.labanotation_row(0, time) for i, time in enumerate(times))
+            with self.subTest(remedy):
+                self.assertRegex(self.refused("labanotation", self.file("a.csv", rows)), f"a.csv: has [0-9.e+]+ frames a second.*{remedy}")
+        for times, problem in (([7] * 9, "9 frames, of which 8 repeat a time.*a.csv:2"),
+                               (range(2_700_000, 0, -300_000), "9 frames, of which 8 go back in time.*a.csv:2")):
+            rows = "".join(made.labanotation_row(0, time) for i, time in enumerate(times))
+            self.assertRegex(self.refused("labanotation", self.file("a.csv", rows)), problem)
+
+    def test_persons_on_their_heads_are_refused(self):
+        head, ankle = 4 * JOINT_NUMBER["head"] + 2, 4 * JOINT_NUMBER["ankle_left"] + 2  # y in a row that begins with the time
+
+        def rows(frames, head_y, ankle_y):
+            text = ""
+            for i in range(frames):
+                cells = made.labanotation_row(0, i * ENDS).strip().split(",")
+                cells[head], cells[ankle] = str(head_y), str(ankle_y)
+                text += ",".join(cells) + "\n"
+            return self.file("a.csv", text)
+        self.assertIn("heads below the feet in 100% of its bodies", self.refused("labanotation", rows(40, -0.6, 0.9)))
+        self.converted("labanotation", rows(40, 0.6, -0.9))
+        self.converted("labanotation", rows(20, -0.6, 0.9))  # too few to tell a handstand
 
     def test_nothing_is_deleted_that_the_run_did_not_make(self):
         recording = self.file("a.csv", made.labanotation_row(0, 0))
@@ -151,7 +175,7 @@ class ConvertTest(unittest.TestCase):
         err = io.StringIO()
         with contextlib.redirect_stderr(err):
             self.assertEqual(main(["labanotation", str(recording), "-o", str(recording / "below" / "s.h5")]), 2)
-            with mock.patch("trilat.convert.labanotation.integer", side_effect=KeyError("odd")):
+            with mock.patch("trilat.convert.labanotation.time_of", side_effect=KeyError("odd")):
                 self.assertEqual(main(["labanotation", str(recording), "-o", str(self.folder / "s.h5")]), 2)
         self.assertRegex(err.getvalue(), "a.csv.*[Nn]ot a directory")
         self.assertRegex(err.getvalue(), "a.csv: cannot be read as labanotation: KeyError")
@@ -246,9 +270,44 @@ class ConvertTest(unittest.TestCase):
         _, sensors, note = self.converted("azure-kinect", self.file("a.json", json.dumps(since_1970)))
         self.assertEqual(sensors["k1/body_frames/device_ticks"][:].tolist(), [0, 333330])
         self.assertIn("count since 1970, and were taken to begin with the first frame", note)
-        metres = [[0.01 * i, 0.02 * i, 2.0] for i in range(32)]
-        self.assertIn("as metres are; this format has millimetres: multiply joint_positions by 1000",
-                      self.refused("azure-kinect", self.file("a.json", self.azure(joint_positions=metres))))
+        for unit, factor in (("metres", 1000), ("centimetres", 10)):
+            positions = [[10 * i / factor, 20 * i / factor, 2000 / factor] for i in range(32)]
+            self.assertIn(f"as {unit} are; this format has millimetres: multiply joint_positions by {factor}",
+                          self.refused("azure-kinect", self.file("a.json", self.azure(joint_positions=positions))))
+
+    def test_azure_kinect_as_other_programs_write_it_anew(self):
+        def changed(change, **of_body):
+            document = json.loads(self.azure(**of_body))
+            change(document)
+            return self.file("a.json", json.dumps(document))
+
+        def as_floats(document):
+            for frame in document["frames"]:
+                frame.update(timestamp_usec=float(frame["timestamp_usec"]), frame_id=float(frame["frame_id"]))
+                frame["bodies"][0]["body_id"] = 7.0
+        _, plain, _ = self.converted("azure-kinect", self.file("a.json", self.azure()))
+        wanted = plain["k1/bodies/position_m"][:].tolist()
+        for change in (as_floats,
+                       lambda document: document.update(joint_names=[name.lower() for name in document["joint_names"]]),
+                       lambda document: document.update(joint_names=["K4ABT_JOINT_" + name for name in document["joint_names"]]),
+                       lambda document: [frame["bodies"][0].pop("joint_orientations") for frame in document["frames"]]):
+            _, sensors, _ = self.converted("azure-kinect", changed(change))
+            self.assertEqual(sensors["k1/bodies/position_m"][:].tolist(), wanted)
+            self.assertEqual(sensors["k1/body_frames/sequence"][:].tolist(), [5, 6])
+            self.assertEqual(sensors["k1/bodies/tracking_id"][0], 7)
+        words = ["NONE", "LOW", "MEDIUM", "K4ABT_JOINT_CONFIDENCE_HIGH"] * 8
+        _, sensors, _ = self.converted("azure-kinect", changed(lambda document: None, joint_confidence_levels=words))
+        _, of_levels, _ = self.converted("azure-kinect", changed(lambda document: None, joint_confidence_levels=[0, 1, 2, 3] * 8))
+        self.assertEqual(sensors["k1/bodies/tracking_state"][:].tolist(), of_levels["k1/bodies/tracking_state"][:].tolist())
+        for change, problem in ((lambda frame: frame.pop("bodies"), 'has no list of "bodies"'),
+                                (lambda frame: frame.pop("timestamp_usec"), 'has no "timestamp_usec"'),
+                                (lambda frame: frame.update(timestamp_usec="0:00"), 'has "0:00" for "timestamp_usec", where a number'),
+                                (lambda frame: frame.update(frame_id=0.5), 'has 0.5 for "frame_id", where a whole number'),
+                                (lambda frame: frame["bodies"][0].pop("body_id"), 'has no "body_id"')):
+            def in_both(document, change=change):
+                for frame in document["frames"]:
+                    change(frame)
+            self.assertIn(problem, self.refused("azure-kinect", changed(in_both)))
 
     def c3d(self, made_up, *options, code=0):
         """Converts a made-up C3D; gives what was said, the names, and positions (frames, markers, 3) in metres."""
@@ -262,6 +321,27 @@ class ConvertTest(unittest.TestCase):
             rows = list(csv.reader(file))
         numbers = np.array([[float(cell or "nan") for cell in row[2:]] for row in rows[8:]])
         return said.getvalue(), rows[3][2::3], numbers.reshape(len(numbers), -1, 3)
+
+    def test_c3d_of_another_unit_than_it_says_is_told_by_its_size(self):
+        def person(per_m, labels=("head", "toe")):  # 1.65 m from head to toe
+            return made.C3d(labels=labels, frames=[[0, 1.7 * per_m, 0, 0, 0.1 * per_m, 0.05 * per_m, 0.2 * per_m, 0]] * 3)
+
+        def of_unit(units, per_m):
+            found = person(per_m)
+            found.parameters["POINT:UNITS"] = [units]
+            return found
+        self.assertEqual(self.c3d(of_unit("mm", 1000))[0].count("note"), 0)
+        self.assertIn("spread over 0.0017 m, taken in mm as POINT:UNITS says; in m over 1.65 m, as those of a person do: state --unit m",
+                      self.c3d(of_unit("mm", 1.0), code=2))
+        for units, per_m, right in (("mm", 100, "cm"), ("cm", 1000, "mm"), ("ft", 39.37, "in")):
+            said, _, position_m = self.c3d(of_unit(units, per_m))
+            self.assertIn(f"note: the markers spread over {1.65 * per_m * {'mm': 0.001, 'cm': 0.01, 'ft': 0.3048}[units]:.2g} m", said)
+            self.assertIn(f"in {right} over 1.65 m, as those of a person do: state --unit {right}", said)
+            said, _, position_m = self.c3d(of_unit(units, per_m), "--unit", right)
+            self.assertNotIn("note", said)
+            np.testing.assert_allclose(position_m[0, 0], [0, 1.7, 0], rtol=1e-4)
+        for nothing in (0.0, float("nan")):
+            self.assertIn("has no position of any of 2 markers in its 3 frames", self.c3d(made.C3d(frames=[[nothing] * 8] * 3), code=2))
 
     def test_arena_gives_what_the_reader_of_its_rows_gave(self):
         """arena_files.json: 30 files, and what the program's own reader of such rows (0.4.0) made of them, or said."""
@@ -328,7 +408,7 @@ class ConvertTest(unittest.TestCase):
             np.testing.assert_allclose(position_m[0, 0], [0, 1.7, 0], atol=1e-9)
         said = self.c3d(made.C3d(frames=standing, **{"POINT:Y_SCREEN": ["+Y"]}), code=2)
         self.assertIn("which axis is up: POINT:Y_SCREEN is \"+Y\", the markers spread 0.10, 0.00 and 1.60 m", said)
-        self.assertIn("--up-axis y or z", self.c3d(made.C3d(**{"POINT:Y_SCREEN": [""]}, frames=[[1, 2, 3, 0, 4, 5, 6, 0]]), code=2))
+        self.assertIn("--up-axis y or z", self.c3d(made.C3d(**{"POINT:Y_SCREEN": [""]}, frames=[[1000, 2000, 3000, 0, 4000, 5000, 6000, 0]]), code=2))
 
     def test_c3d_names_what_contradicts_itself(self):
         scale = made.C3d(scale=0.5, **{"POINT:SCALE": 0.2})

@@ -169,9 +169,25 @@ class SensorChecker {
                        kCentimetresPerMetre * after_m);
   }
 
+  // Heads above the feet, and both before the sensor: the axes of a Kinect, or a turn about the vertical.
+  bool bodies_stand_before_their_sensors() const {
+    std::size_t bodies = 0, standing = 0;
+    const std::size_t step = 1 + bodies_.instants() / kMaxSameLooks;
+    for (std::size_t i = 0; i < bodies_.instants(); i += step)
+      for (const std::size_t s : sensors_) {
+        const ObservedBody& body = bodies_.at(i, s);
+        if (!body.has(Joint::head) || !body.has(Joint::ankle_left)) continue;
+        const Eigen::Vector3d head = body.at(Joint::head), ankle = body.at(Joint::ankle_left);
+        ++bodies;
+        standing += head.y() > ankle.y() && head.z() > 0.0 && ankle.z() > 0.0 ? 1 : 0;
+      }
+    return 10 * standing > 9 * bodies;
+  }
+
   void note_rig(const SensorsFit& fit) {
-    const std::string effect =
-        "put right, the mean distance between two sensors " + falls_text(fit.before_m, fit.after_m);
+    const std::string effect = fit.height_m < 0.0 ? "put right, the person stands upright"
+                                                  : "put right, the mean distance between two sensors " +
+                                                        falls_text(fit.before_m, fit.after_m);
     const RigChange& rig = *fit.rig;
     if (std::abs(rig.distances - 1.0) > 1e-9) {
       checks_.misplaced = true;
@@ -186,21 +202,17 @@ class SensorChecker {
            "has bodies that lie in the world already, it seems: without the sensors' poses the mean distance "
            "between two sensors " +
                falls_text(fit.before_m, fit.after_m) + ". Write each sensor's bodies in its own frame");
-    } else if (!rig.convention.is_ours()) {
+    } else if (!rig.convention.is_ours() || (!rig.axes.isIdentity() && rig.axes.determinant() > 0.0 &&
+                                             bodies_stand_before_their_sensors())) {
       checks_.misplaced = true;
       note(planned_.take.calibration, convention_text(rig) + "; " + effect + ". Write it so");
     } else if (!rig.axes.isIdentity()) {
       const bool is_mirrored = rig.axes.determinant() < 0.0;
-      if (fit.height_m < 0.0) {
-        note(planned_.take.session,
-             fmt::format("all sensors see the person upside down: with x, y, z of all bodies read as {} they "
-                         "stand upright. Write the bodies so",
-                         axes_text(rig.axes)));
-        return;
-      }
       note(planned_.take.session,
            fmt::format("all sensors see the person {}: with x, y, z of all bodies read as {}, {}. {}",
-                       is_mirrored ? "as in a mirror" : "in other axes than the calibration has",
+                       fit.height_m < 0.0 ? "upside down"
+                       : is_mirrored      ? "as in a mirror"
+                                          : "in other axes than the calibration has",
                        axes_text(rig.axes), effect,
                        is_mirrored ? "Record without mirroring" : "Write the bodies so"));
     } else {

@@ -93,6 +93,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
     if (const auto text = seen[s].joints.out_of_reach_text()) note(s, *text);
     const auto misread = seen[s].joints.misread_text();
     if (misread) note(s, *misread);
+    if (const auto text = seen[s].joints.mirrored_text()) note(s, *text);
     if (const auto text = arrival_jump_text(planned.host_from_sensor[s])) note(s, *text);
     if (seen[s].jumps > 0 && !misread)
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "

@@ -20,6 +20,9 @@ UNIT_NAMES = {"mm": ("millimeters", "millimetres"), "cm": ("centimeters", "centi
 NO_MARKERS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")  # Vicon's points that POINT names as such
 UPRIGHT_M, UPRIGHT_RATIO = 0.6, 1.3  # spread of the named markers along the axis that is up, and over the others'
 LARGEST_M = 100.0
+USUAL_SPREAD_M = (0.3, 5.0)     # of the markers' mean positions; a hand's spread less, several persons' more
+POSSIBLE_SPREAD_M = (0.02, 50.0)  # of any that a study is about
+PERSON_SPREAD_M = (0.8, 2.5)
 
 
 def add_options(verb: argparse.ArgumentParser) -> None:
@@ -212,12 +215,27 @@ def refuse_far(file: C3d, position_m: np.ndarray, first: int, names: list[str]) 
                                     "than POINT:UNITS says? State it with --unit")
 
 
-def up_axis_of(file: C3d, markers: dict[int, str], unit_m: float, stated: str | None) -> str:
-    screen = (file.texts("POINT:Y_SCREEN") or [""])[0].upper()
-    position_m = unit_m * file.points_of(0, min(file.frames, 4096), list(markers))
+def spread_of(file: C3d, markers: dict[int, str], unit: str, is_stated: bool) -> np.ndarray:
+    """(3,) m: of the markers' mean positions along x, y and z. InputError for a size that nothing has in this unit."""
+    position_m = UNIT_M[unit] * file.points_of(0, min(file.frames, 4096), list(markers))
     refuse_far(file, position_m, file.first, list(markers.values()))
     mean_m = np.ma.masked_invalid(position_m).mean(axis=0)
     spread_m = np.ma.filled(mean_m.max(axis=0) - mean_m.min(axis=0), 0.0)
+    size_m, (least, most) = spread_m.max(), USUAL_SPREAD_M
+    if is_stated or len(markers) < 2 or size_m == 0.0 or least <= size_m <= most:
+        return spread_m
+    others = [(other, size_m * UNIT_M[other] / UNIT_M[unit]) for other in UNIT_M]
+    text = f"the markers spread over {size_m:.2g} m, taken in {unit} as POINT:UNITS says" + "".join(
+        f"; in {other} over {other_m:.2f} m, as those of a person do: state --unit {other}"
+        for other, other_m in others if PERSON_SPREAD_M[0] <= other_m <= PERSON_SPREAD_M[1])
+    if not POSSIBLE_SPREAD_M[0] <= size_m <= POSSIBLE_SPREAD_M[1]:
+        raise InputError(file.path, text)
+    file.notes.append(text)
+    return spread_m
+
+
+def up_axis_of(file: C3d, spread_m: np.ndarray, stated: str | None) -> str:
+    screen = (file.texts("POINT:Y_SCREEN") or [""])[0].upper()
     longest = int(np.argmax(spread_m))
     shown = "xyz"[longest] if spread_m[longest] > max(UPRIGHT_M, UPRIGHT_RATIO * np.delete(spread_m, longest).max()) else ""
     by_screen = screen[-1:].lower() if screen in ("+Y", "+Z", "Y", "Z") else ""
@@ -230,7 +248,7 @@ def up_axis_of(file: C3d, markers: dict[int, str], unit_m: float, stated: str | 
 
 def write_csv(path: Path, file: C3d, markers: dict[int, str], unit_m: float, up: str) -> None:
     """Motive's layout, version 1.25, in metres."""
-    names, chosen = list(markers.values()), list(markers)
+    names, chosen, is_any_seen = list(markers.values()), list(markers), False
     with written_aside(path) as aside, open(aside, "w", encoding="utf-8", newline="") as text:
         rate_hz = f"{file.rate_hz:.6f}"
         text.write(head_of(file.path.stem, f"of {file.path.name}",
@@ -242,15 +260,18 @@ def write_csv(path: Path, file: C3d, markers: dict[int, str], unit_m: float, up:
             if up == "z":
                 position_m = position_m[..., [0, 2, 1]] * [1.0, 1.0, -1.0]
             refuse_far(file, position_m, file.first + begin, names)
+            is_any_seen |= bool(np.isfinite(position_m).any())
             for k, values in enumerate(position_m.reshape(len(position_m), -1), file.first + begin):
                 text.write(f"{k},{k / file.rate_hz:.6f}" + "".join("," if v != v else f",{v:.6f}" for v in values) + "\n")
+        if not is_any_seen:
+            raise InputError(file.path, f"has no position of any of {len(names)} markers in its {file.frames} frames")
 
 
 def convert(arguments: argparse.Namespace) -> int:
     file = C3d(file_of(arguments))
     markers = markers_of(file)
     unit = unit_of(file, arguments.unit)
-    up = up_axis_of(file, markers, UNIT_M[unit], arguments.up_axis)
+    up = up_axis_of(file, spread_of(file, markers, unit, bool(arguments.unit)), arguments.up_axis)
     write_csv(arguments.output, file, markers, UNIT_M[unit], up)
     if arguments.json:
         print(json.dumps({"mocap": str(arguments.output), "frames": file.frames, "rate_hz": file.rate_hz, "unit": unit, "up_axis": up,

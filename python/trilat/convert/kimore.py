@@ -4,8 +4,8 @@ import argparse
 from itertools import zip_longest
 from pathlib import Path
 
-from trilat.convert.recording import (TICKS_PER_S, Body, Recording, TornRow, finish, integer, need_one, numbered_lines, numbers,
-                                      states_of)
+from trilat.convert.recording import (TICKS_PER_S, Body, Recording, TornRow, finish, need_one, numbered_lines, numbers, states_of,
+                                      time_of)
 from trilat.errors import InputError
 from trilat.skeleton import JOINT_COUNT
 
@@ -48,7 +48,7 @@ def convert(arguments: argparse.Namespace) -> int:
         with recording.row(place):
             if len(row) < len(files):
                 raise TornRow("is where one of the files has ended and another has not")
-            ticks = (integer(row["TimeStamp"].strip().rstrip(","), "the time in ticks") if "TimeStamp" in row
+            ticks = (time_of(row["TimeStamp"].strip().rstrip(",")) if "TimeStamp" in row
                      else round(TICKS_PER_S * number / rate_hz))
             joints = four_a_joint(row["JointPosition"], "a joint's position")
             turns = ({"orientation_xyzw": four_a_joint(row["JointOrientation"], "an orientation")}

@@ -2,8 +2,8 @@
 """Body csv of Microsoft's LabanotationSuite: a row a frame, ticks of 100 ns, then x, y, z, state of 25 joints."""
 import argparse
 
-from trilat.convert.recording import (Body, Recording, TornRow, finish, integer, need_one, numbered_lines, numbers, refuse_rate,
-                                      states_of)
+from trilat.convert.recording import (Body, Recording, TornRow, finish, need_one, numbered_lines, numbers, refuse_rate, states_of,
+                                      time_of)
 from trilat.skeleton import JOINT_COUNT
 
 HELP = "body csv of Microsoft's LabanotationSuite"
@@ -21,5 +21,5 @@ def convert(arguments: argparse.Namespace) -> int:
                 raise TornRow(f"has {len(cells)} cells; a row has {1 + 4 * JOINT_COUNT}: the time, then x, y, z and state "
                               f"of {JOINT_COUNT} joints")
             joints = numbers(cells[1:], "a joint's position").reshape(JOINT_COUNT, 4)
-            recording.add(place, integer(cells[0], "the time"), [Body(joints[:, :3], tracking_state=states_of(joints[:, 3], place))])
+            recording.add(place, time_of(cells[0]), [Body(joints[:, :3], tracking_state=states_of(joints[:, 3], place))])
     return finish(arguments, [recording], NOTE)

@@ -10,12 +10,18 @@ from pathlib import Path
 import numpy as np
 
 from trilat.errors import InputError
-from trilat.skeleton import FARTHEST_JOINT_M, JOINT_COUNT, NEAREST_JOINT_M, NOT_TRACKED, TRACKED, states_within_reach
+from trilat.skeleton import FARTHEST_JOINT_M, JOINT_COUNT, JOINT_NUMBER, NEAREST_JOINT_M, NOT_TRACKED, TRACKED, states_within_reach
 from trilat.write_session import DEPTH_SHAPE, FASTEST_HZ, MOST_BODIES, SLOWEST_HZ, SensorFrames, write_session
 
 TICK_NS = 100
 TICKS_PER_S = 1e9 / TICK_NS
 MOST_OUT_OF_REACH = 0.5  # of the tracked joints of a recording
+MOST_LEFT_OUT = 0.5      # of its frames
+MOST_UPSIDE_DOWN, FEWEST_BODIES = 0.9, 30  # of its bodies
+# What another unit of time makes of the rate, and what to do with the times.
+OTHER_TIMES = [(float(factor), f"multiplied by {factor:,}") for factor in (10, 1_000, 10_000, 1_000_000, 10_000_000)] + [
+    (1 / factor, f"divided by {factor:,}") for factor in (10, 100, 1_000)]
+USUAL_HZ, USUAL_HZ_WITHIN = 30.0, 0.5  # a third of the frames may be lost
 LATEST_TICKS = 2**59 // TICK_NS  # 18 years
 FEWEST_FITTED, SMALLEST_SPREAD, LARGEST_RMS_PX = 200, 0.03, 1.0
 
@@ -72,6 +78,14 @@ def integer(cell: str, what: str) -> int:
         raise TornRow(f'has "{cell[:24]}" where {what} should be') from error
 
 
+def time_of(cell: str) -> float:
+    """A time as it is written: whole, or with decimals where it stands in another unit than the format's."""
+    try:
+        return integer(cell, "the time")
+    except TornRow:
+        return float(numbers([cell], "the time")[0])
+
+
 def states_of(values: np.ndarray, place: str) -> np.ndarray:
     """Tracking states. InputError for fractions: then somebody has averaged the file."""
     if (values != np.floor(values)).any():
@@ -124,6 +138,7 @@ class Recording:
         self.left_out = {"torn_rows": 0, "repeated_times": 0, "backward_times": 0}
         self.first_left_out = ""
         self.stamps = Stamps(rate_hz)
+        self.times: list[float] = []  # as written, in ticks, of all frames
         self.frames: list[tuple[int, int]] = []  # sequence, ticks
         self.floors: list[np.ndarray] = []
         self.bodies: list[tuple[int, Body]] = []  # row of its frame
@@ -144,7 +159,7 @@ class Recording:
             return None
         return self.stamps.next(ticks, sequence)
 
-    def add(self, place: str, ticks: int, bodies: list[Body], sequence: int | None = None,
+    def add(self, place: str, ticks: float, bodies: list[Body], sequence: int | None = None,
             floor_plane: np.ndarray | None = None) -> None:
         """A frame at `ticks` of 100 ns. Joints where no Kinect measures any are not tracked, and counted."""
         for body in bodies:
@@ -155,6 +170,8 @@ class Recording:
                 self.first_out_of_reach = f"{place} has a joint {np.linalg.norm(body.position_m, axis=1).max():g} m from the sensor"
         if len(bodies) > MOST_BODIES:
             raise TornRow(f"has {len(bodies)} bodies; a Kinect tracks at most {MOST_BODIES}")
+        self.times.append(ticks)
+        ticks = round(ticks)
         number = self._number(place, ticks, sequence)
         if number is None:
             return
@@ -175,10 +192,12 @@ class Recording:
         if not self.frames:
             first = f" that can be read; is it in this format? First: {self.first_left_out}" if self.first_left_out else ""
             raise InputError(self.file, "holds no frame" + first)
+        self._check_rate()
+        self._check_times()
         stamps = np.array(self.frames, np.int64).reshape(-1, 2)
-        self._check_rate(stamps[:, 1])
         bodies = [body for _, body in self.bodies]
         self._check_reach()
+        self._check_upright(bodies)
 
         def column(name: str, row_shape: tuple[int, ...], dtype: type) -> np.ndarray:
             return np.array([getattr(body, name) for body in bodies], dtype).reshape(-1, *row_shape)
@@ -193,14 +212,32 @@ class Recording:
             floor_plane=np.array(self.floors, np.float32).reshape(-1, 4), intrinsics=self._intrinsics(),
             source=source, tick_ns=TICK_NS, rate_hz=self.rate_hz)
 
-    def _check_rate(self, ticks: np.ndarray) -> None:
+    def _check_rate(self) -> None:
         """InputError for times that are no Kinect's: then they are in another unit."""
-        if len(ticks) < 3:
+        steps = np.diff(self.times)
+        if len(steps) < 2 or not (steps > 0).any():
             return
-        rate_hz = TICKS_PER_S / np.median(np.diff(ticks))
+        rate_hz = TICKS_PER_S / np.median(steps[steps > 0])
         if not SLOWEST_HZ <= rate_hz <= FASTEST_HZ:
-            raise InputError(self.file, f"has {rate_hz:.6g} frames a second by its times, where a Kinect makes 30; are the times in "
-                                        "another unit than this format's (such as milliseconds)? Write them in that unit")
+            found = next((text for factor, text in OTHER_TIMES if abs(rate_hz / factor / USUAL_HZ - 1) < USUAL_HZ_WITHIN), None)
+            raise InputError(self.file, f"has {rate_hz:.6g} frames a second by its times, where a Kinect makes 30; " + (
+                f"{found} they make {USUAL_HZ:g}: write them so" if found else "are they in another unit than this format's?"))
+
+    def _check_times(self) -> None:
+        """InputError where the times of most frames do not rise: then they are not what they are taken for."""
+        for why, text in (("repeated_times", "repeat a time; are the times those of the frames?"),
+                          ("backward_times", "go back in time; write them in the order of their times.")):
+            if self.left_out[why] > MOST_LEFT_OUT * (self.left_out[why] + len(self.frames)):
+                raise InputError(self.file, f"has {self.left_out[why] + len(self.frames)} frames, of which {self.left_out[why]} {text} "
+                                            f"First: {self.first_left_out}")
+
+    def _check_upright(self, bodies: list[Body]) -> None:
+        """InputError for persons on their heads: then y points the other way than this format's."""
+        head, ankle = JOINT_NUMBER["head"], JOINT_NUMBER["ankle_left"]
+        below = [body.position_m[head, 1] < body.position_m[ankle, 1] for body in bodies if body.tracking_state[[head, ankle]].all()]
+        if len(below) >= FEWEST_BODIES and np.mean(below) > MOST_UPSIDE_DOWN:
+            raise InputError(self.file, f"has heads below the feet in {np.mean(below):.0%} of its bodies: the sign of y is not that of this "
+                                        "format. Turn it in the file")
 
     def _check_reach(self) -> None:
         """InputError when most joints lie where no Kinect measures any: then they are not in metres."""
