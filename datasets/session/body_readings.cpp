@@ -50,6 +50,7 @@ constexpr std::array kUsualBone_m{HUGE_VAL, 0.31, 0.08, 0.15, 0.18, 0.27, 0.24, 
 static_assert(kMaxBone_m.size() == kJointCount && kUsualBone_m.size() == kJointCount);
 
 constexpr std::uint64_t kMinBodies = 30;  // for what is usual
+constexpr double kBackward = 0.7;         // share of feet from which all are taken to point backwards
 
 // Units in which positions come from other drivers; millimetres first.
 struct OtherUnit {
@@ -144,8 +145,7 @@ void JointFaults::add(const Body& body) {
   add_stance(body, is_seen);
 }
 
-// A person faces along left x up, and a foot lies before its ankle: of 200 recordings of sensors, which saw
-// people from the front, the side and behind, in 83 % of the bodies at least.
+// A person faces along left x up, and a foot lies before its ankle.
 void JointFaults::add_stance(const Body& body, std::span<const bool> is_seen) {
   using enum Joint;
   const auto seen = [&](auto... joints) { return (is_seen[static_cast<std::size_t>(joints)] && ...); };
@@ -172,17 +172,24 @@ std::optional<std::string> JointFaults::misread_text() const {
   return spine_text();
 }
 
-std::optional<std::string> JointFaults::mirrored_text() const {
-  const bool is_mirrored = feet_ >= kMinBodies && 10 * feet_backward_ >= 7 * feet_;
-  if (heads_ >= kMinBodies && 10 * heads_below_ >= 9 * heads_)
-    return fmt::format("heads lie below the feet: does y point down{}? A Kinect's points up",
-                       is_mirrored ? "" : ", and x to the other side");
-  if (is_mirrored)
-    return fmt::format(
-        "feet point backwards in {} % of the bodies: are left and right exchanged, or is an axis mirrored? A "
-        "Kinect's x grows to its own left, its y upwards, its z away from it",
-        100 * feet_backward_ / feet_);
-  return std::nullopt;
+std::optional<double> JointFaults::backward_feet() const {
+  if (feet_ < kMinBodies) return std::nullopt;
+  return static_cast<double>(feet_backward_) / static_cast<double>(feet_);
+}
+
+std::optional<std::string> JointFaults::upside_down_text() const {
+  if (heads_ < kMinBodies || 10 * heads_below_ < 9 * heads_) return std::nullopt;
+  return fmt::format("heads lie below the feet: does y point down{}? A Kinect's points up",
+                     backward_feet() >= kBackward ? "" : ", and x to the other side");
+}
+
+std::optional<std::string> backward_feet_text(std::span<const double> shares) {
+  if (shares.empty() || std::ranges::min(shares) < kBackward) return std::nullopt;
+  return fmt::format(
+      "feet point backwards in {:.0f} % of the bodies: are left and right exchanged, or is an axis mirrored? "
+      "A Kinect's x "
+      "grows to its own left, its y upwards, its z away from it",
+      100.0 * std::ranges::min(shares));
 }
 
 std::optional<std::string> JointFaults::out_of_reach_text() const {

@@ -151,7 +151,7 @@ struct BodyCounts {
       place.say(Severity::error, "/bodies/position_m", *text, kAnswers);
     if (const auto text = joints.misread_text())
       place.say(Severity::error, "/bodies/position_m", *text, kPositions);
-    if (const auto text = joints.mirrored_text())
+    if (const auto text = joints.upside_down_text())
       place.say(Severity::error, "/bodies/position_m", *text, kPositions);
     if (identities.jumps() > 0)
       place.say(Severity::warning, "/bodies/tracking_id",
@@ -175,7 +175,7 @@ struct BodyCounts {
 };
 
 void verify_bodies(const SessionReader& session, std::size_t sensor, const Place& place,
-                   const std::function<void(std::uint64_t)>& advance) {
+                   std::vector<double>& backward_feet, const std::function<void(std::uint64_t)>& advance) {
   const std::uint64_t frames = session.counts(sensor).body_frames;
   BodyCounts counts;
   for (std::uint64_t first = 0; first < frames; first += kVerifiedBlock) {
@@ -185,6 +185,7 @@ void verify_bodies(const SessionReader& session, std::size_t sensor, const Place
     advance(count);
   }
   counts.say(place, frames);
+  if (const auto share = counts.joints.backward_feet()) backward_feet.push_back(*share);
 }
 
 void verify_depth(const SessionReader& session, std::size_t sensor, const Place& place,
@@ -345,7 +346,8 @@ namespace {
 
 // Every part says what it finds; one that cannot be read is a finding itself.
 void verify_sensor(const SessionReader& session, std::size_t s, const VerifyOptions& options,
-                   const Place& place, const std::function<void(std::uint64_t)>& advance) {
+                   const Place& place, std::vector<double>& backward_feet,
+                   const std::function<void(std::uint64_t)>& advance) {
   const SensorCounts& counts = session.counts(s);
   const auto check = [&](const auto& part) {
     try {
@@ -367,7 +369,7 @@ void verify_sensor(const SessionReader& session, std::size_t s, const VerifyOpti
   });
   if (const auto text = doubt_about(session.header().sensors[s].intrinsics))
     place.say(Severity::warning, "", *text, kDepthUses);
-  check([&] { verify_bodies(session, s, place, advance); });
+  check([&] { verify_bodies(session, s, place, backward_feet, advance); });
   if (counts.depth_frames > 0) {
     check([&] {
       verify_stamps(session, s, FrameStream::depth, counts.depth_frames, options.gap_periods, place,
@@ -400,10 +402,13 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
     done += amount;
     if (progress) progress(static_cast<double>(done) / static_cast<double>(total));
   };
+  std::vector<double> backward_feet;
   for (std::size_t s = 0; s < sensors; ++s)
     verify_sensor(session, s, options,
                   {session.path().string() + ":/sensors/" + session.header().sensors[s].name, &findings},
-                  advance);
+                  backward_feet, advance);
+  if (const auto text = backward_feet_text(backward_feet))
+    findings.push_back({Severity::error, session.path().string() + ":/sensors", *text, kPositions});
   try {
     verify_ends(session, findings);
   } catch (const InputError&) {

@@ -59,6 +59,7 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
   const std::size_t sensors = session.header().sensors.size();
   std::vector<SensorClockMap> clocks;
   std::vector<SensorBodies> bodies;
+  std::vector<double> backward_feet;
   for (std::size_t s = 0; s < sensors; ++s) {
     if (session.counts(s).body_frames == 0)
       throw InputError(session.path().string() + ":/sensors/" + session.header().sensors[s].name,
@@ -66,9 +67,11 @@ RigProblem gather(const SessionReader& session, const CalibrateBodiesOptions& op
     clocks.push_back(fit_sensor_clock(session, s));
     bodies.push_back(read_sensor_bodies(session, s, clocks.back(), options.stop_requested));
     const JointFaults& joints = bodies[s].joints;
-    for (const auto& text : {joints.out_of_reach_text(), joints.misread_text(), joints.mirrored_text()})
+    for (const auto& text : {joints.out_of_reach_text(), joints.misread_text(), joints.upside_down_text()})
       if (text) notes.push_back(session.header().sensors[s].name + ": " + *text);
+    if (const auto share = joints.backward_feet()) backward_feet.push_back(*share);
   }
+  if (const auto text = backward_feet_text(backward_feet)) notes.push_back("all sensors: " + *text);
   const Span span = common_span(session, clocks);
   RigProblem problem{sensors, options.instants * kJointCount, {}};
   std::vector<ObservedBody> seen(sensors);

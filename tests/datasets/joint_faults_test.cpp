@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A sensor's joints tell the unit of their positions, holes, and the order of the joints in the file.
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -94,46 +95,51 @@ BodyChange turned(float x, float y, float z) {
 }
 
 TEST(JointFaults, PersonsOnTheirHeadsAreNamedByTheAxesThatWereTurned) {
-  EXPECT_EQ(faults_of(turned(1, 1, 1)).mirrored_text(), std::nullopt);
-  const auto y = faults_of(turned(1, -1, 1)).mirrored_text(),
-             x_and_y = faults_of(turned(-1, -1, 1)).mirrored_text();
-  EXPECT_EQ(y, "heads lie below the feet: does y point down? A Kinect's points up");
-  EXPECT_EQ(x_and_y,
+  EXPECT_EQ(faults_of(turned(1, 1, 1)).upside_down_text(), std::nullopt);
+  EXPECT_EQ(faults_of(turned(1, -1, 1)).upside_down_text(),
+            "heads lie below the feet: does y point down? A Kinect's points up");
+  EXPECT_EQ(faults_of(turned(-1, -1, 1)).upside_down_text(),
             "heads lie below the feet: does y point down, and x to the other side? A Kinect's points up");
+  EXPECT_EQ(faults_of(turned(1, -1, 1), 14).upside_down_text(), std::nullopt) << "28 feet are too few";
 }
 
-TEST(JointFaults, FeetThatPointBackwardsTellExchangedSidesAndMirroredAxes) {
+TEST(JointFaults, FeetPointBackwardsUnderExchangedSidesAndMirroredAxes) {
   std::vector<std::pair<Joint, Joint>> sides;
   for (std::size_t j = 0; j < kJointCount; ++j)
     if (const auto joint = static_cast<Joint>(j); mirror_of(joint) > joint)
       sides.emplace_back(joint, mirror_of(joint));
-  for (const BodyChange& change : {turned(-1, 1, 1), turned(1, 1, -1), exchanged(sides)})
-    EXPECT_THAT(
-        faults_of(change).mirrored_text().value_or(""),
-        HasSubstr(
-            "feet point backwards in 100 % of the bodies: are left and right exchanged, or is an axis"));
-  EXPECT_EQ(faults_of(turned(-1, 1, -1)).mirrored_text(), std::nullopt) << "a person seen from behind";
-  EXPECT_EQ(faults_of(turned(-1, 1, 1), 14).mirrored_text(), std::nullopt) << "28 feet are too few";
-  const auto some = [](int backward) {
-    JointFaults faults;
-    for (int i = 0; i < 100; ++i) {
-      Body body = standing_body();
-      if (i < backward) turned(-1, 1, 1)(body);
-      faults.add(body);
-    }
-    return faults.mirrored_text().has_value();
-  };
-  EXPECT_FALSE(some(69));
-  EXPECT_TRUE(some(70));
+  for (const BodyChange& change : {turned(-1, 1, 1), turned(1, -1, 1), turned(1, 1, -1), exchanged(sides)})
+    EXPECT_EQ(faults_of(change).backward_feet(), 1.0);
+  EXPECT_EQ(faults_of(turned(1, 1, 1)).backward_feet(), 0.0);
+  EXPECT_EQ(faults_of(turned(-1, 1, -1)).backward_feet(), 0.0) << "a person seen from behind";
+  EXPECT_EQ(faults_of(turned(-1, 1, 1), 14).backward_feet(), std::nullopt) << "28 feet are too few";
+  JointFaults faults;
+  for (int i = 0; i < 100; ++i) {
+    Body body = standing_body();
+    if (i < 30) turned(-1, 1, 1)(body);
+    faults.add(body);
+  }
+  EXPECT_EQ(faults.backward_feet(), 0.3);
+}
+
+TEST(JointFaults, FeetAreNamedWhereThoseOfAllSensorsPointBackwards) {
+  EXPECT_EQ(backward_feet_text({}), std::nullopt);
+  EXPECT_EQ(backward_feet_text(std::array{0.69}), std::nullopt);
+  EXPECT_EQ(backward_feet_text(std::array{0.98, 1.0, 0.4}), std::nullopt)
+      << "two sensors are behind the person";
+  EXPECT_THAT(
+      backward_feet_text(std::array{1.0, 0.7}).value_or(""),
+      HasSubstr("feet point backwards in 70 % of the bodies: are left and right exchanged, or is an axis"));
 }
 
 TEST(JointFaults, FeetThatAreNotSeenTellNothing) {
-  const BodyChange hidden = [](Body& body) {
+  const JointFaults faults = faults_of([](Body& body) {
     turned(-1, -1, 1)(body);
     for (const Joint joint : {Joint::ankle_left, Joint::ankle_right})
       body.tracking_state[static_cast<std::size_t>(joint)] = 0;
-  };
-  EXPECT_EQ(faults_of(hidden).mirrored_text(), std::nullopt);
+  });
+  EXPECT_EQ(faults.upside_down_text(), std::nullopt);
+  EXPECT_EQ(faults.backward_feet(), std::nullopt);
 }
 
 TEST(JointFaults, BonesToJointsThatAreNotSeenDoNotCount) {

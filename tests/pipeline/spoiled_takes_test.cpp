@@ -206,8 +206,8 @@ std::vector<Spoiled> all_spoiled() {
        bodies([](BodyPositions& joints) {
          for (auto& at : joints) at = {-at[0], -at[1], at[2]};
        }),
-       {"spoiled.h5: k1, k2, k3, k4: heads lie below the feet", "spoiled.h5: all sensors see the person",
-        "with x, y, z of all bodies read as (-x, -y, z), put right", "Write the bodies so"}},
+       {"spoiled.h5: all sensors see the person", "with x, y, z of all bodies read as (-x, -y, z), put right",
+        "Write the bodies so"}},
       {"bodies_with_y_down",
        bodies([](BodyPositions& joints) {
          for (auto& at : joints) at[1] = -at[1];
@@ -219,7 +219,7 @@ std::vector<Spoiled> all_spoiled() {
            if (const Joint other = mirror_of(static_cast<Joint>(j)); other > static_cast<Joint>(j))
              std::swap(joints[j], joints[static_cast<std::size_t>(other)]);
        }),
-       {"spoiled.h5: k1, k2, k3, k4: feet point backwards in ", "are left and right exchanged"}},
+       {"spoiled.h5: all sensors: feet point backwards in ", "are left and right exchanged"}},
       {"large_calibration",
        calibrated([](Calibration& c) {
          for (SensorPose& sensor : c.sensors) sensor.world_from_sensor.translation_m *= 1.05;

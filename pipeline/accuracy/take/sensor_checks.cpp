@@ -169,19 +169,22 @@ class SensorChecker {
                        kCentimetresPerMetre * after_m);
   }
 
-  // Heads above the feet, and both before the sensor: the axes of a Kinect, or a turn about the vertical.
-  bool bodies_stand_before_their_sensors() const {
-    std::size_t bodies = 0, standing = 0;
+  // Whether persons stand along y and before their sensors: then it is the calibration that has other axes.
+  bool bodies_have_a_kinects_axes() const {
+    UpAxisEstimator standing;
+    std::size_t points = 0, before_sensor = 0;
     const std::size_t step = 1 + bodies_.instants() / kMaxSameLooks;
     for (std::size_t i = 0; i < bodies_.instants(); i += step)
-      for (const std::size_t s : sensors_) {
-        const ObservedBody& body = bodies_.at(i, s);
-        if (!body.has(Joint::head) || !body.has(Joint::ankle_left)) continue;
-        const Eigen::Vector3d head = body.at(Joint::head), ankle = body.at(Joint::ankle_left);
-        ++bodies;
-        standing += head.y() > ankle.y() && head.z() > 0.0 && ankle.z() > 0.0 ? 1 : 0;
-      }
-    return 10 * standing > 9 * bodies;
+      for (const std::size_t s : sensors_)
+        for (int j = 0; j < kJointCount; ++j) {
+          const auto joint = static_cast<Joint>(j);
+          if (!bodies_.at(i, s).has(joint)) continue;
+          const Eigen::Vector3d at_m = bodies_.at(i, s).at(joint);
+          standing.add(joint, at_m);
+          ++points;
+          before_sensor += at_m.z() > 0.0 ? 1 : 0;
+        }
+    return standing.axis() == UpAxis::y && 10 * before_sensor > 9 * points;
   }
 
   void note_rig(const SensorsFit& fit) {
@@ -202,8 +205,8 @@ class SensorChecker {
            "has bodies that lie in the world already, it seems: without the sensors' poses the mean distance "
            "between two sensors " +
                falls_text(fit.before_m, fit.after_m) + ". Write each sensor's bodies in its own frame");
-    } else if (!rig.convention.is_ours() || (!rig.axes.isIdentity() && rig.axes.determinant() > 0.0 &&
-                                             bodies_stand_before_their_sensors())) {
+    } else if (!rig.convention.is_ours() ||
+               (!rig.axes.isIdentity() && rig.axes.determinant() > 0.0 && bodies_have_a_kinects_axes())) {
       checks_.misplaced = true;
       note(planned_.take.calibration, convention_text(rig) + "; " + effect + ". Write it so");
     } else if (!rig.axes.isIdentity()) {

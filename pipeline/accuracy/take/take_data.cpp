@@ -89,11 +89,13 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
     else
       same->first += ", " + plan.rig[s];
   };
+  std::vector<double> backward_feet;
   for (std::size_t s = 0; s < seen.size(); ++s) {
     if (const auto text = seen[s].joints.out_of_reach_text()) note(s, *text);
     const auto misread = seen[s].joints.misread_text();
     if (misread) note(s, *misread);
-    if (const auto text = seen[s].joints.mirrored_text()) note(s, *text);
+    if (const auto text = seen[s].joints.upside_down_text()) note(s, *text);
+    if (const auto share = seen[s].joints.backward_feet()) backward_feet.push_back(*share);
     if (const auto text = arrival_jump_text(planned.host_from_sensor[s])) note(s, *text);
     if (seen[s].jumps > 0 && !misread)
       note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
@@ -116,6 +118,7 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
                   *step_s, plan.study.sensor_gap_s,
                   kGapStep_s * std::ceil(kGapsOfFrames * *step_s / kGapStep_s)));
   }
+  if (const auto text = backward_feet_text(backward_feet)) notes.emplace_back("all sensors", *text);
   std::vector<TakeNote> result;
   for (const auto& [sensors, text] : notes)
     result.push_back({planned.take.id, false, planned.take.session.string(), sensors + ": " + text});
