@@ -186,12 +186,6 @@ double HeaderKeys::rate_hz(std::string_view key) const {
   return value;
 }
 
-double HeaderKeys::stated_rate_hz(std::string_view key) const {
-  const double value = rate_hz(key);
-  if (std::isnan(value)) refuse(key, "a rate of 1 to 9000 Hz, such as 120.000000");
-  return value;
-}
-
 LengthUnit HeaderKeys::length_unit(std::string_view key) const {
   const auto unit = length_unit_from_text(text(key));
   if (!unit) refuse(key, "Meters, Centimeters, Millimeters, Inches or Feet");

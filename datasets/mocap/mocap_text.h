@@ -155,7 +155,6 @@ class HeaderKeys {
   std::int64_t stated_count(std::string_view key, std::int64_t most) const;
   // 1 to 9000 Hz; NaN when it is not stated.
   double rate_hz(std::string_view key) const;
-  double stated_rate_hz(std::string_view key) const;
   LengthUnit length_unit(std::string_view key) const;
 
  private:

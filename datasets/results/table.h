@@ -178,7 +178,6 @@ auto as_number(int decimals, auto... of) { return as_number(decimals, 1.0, of...
 auto as_count(auto of) { return as_number(0, of); }
 auto in_cm(auto... of) { return as_number(2, kCentimetresPerMetre, of...); }
 auto in_mm(auto... of) { return as_number(2, 1.0 / kMetresPerMillimetre, of...); }
-auto in_degrees(auto... of) { return as_number(2, kDegreesPerRad, of...); }
 auto in_percent(auto... of) { return as_number(1, 100.0, of...); }
 // Shows a part of the row as `cell` shows it.
 template <class Part, class Show>

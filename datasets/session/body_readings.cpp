@@ -186,10 +186,10 @@ std::optional<std::string> JointFaults::upside_down_text() const {
 std::optional<std::string> backward_feet_text(std::span<const double> shares) {
   if (shares.empty() || std::ranges::min(shares) < kBackward) return std::nullopt;
   return fmt::format(
-      "feet point backwards in {:.0f} % of the bodies: are left and right exchanged, or is an axis mirrored? "
-      "A Kinect's x "
-      "grows to its own left, its y upwards, its z away from it",
-      100.0 * std::ranges::min(shares));
+      "feet point backwards in {:.0f} % of the bodies: {}are left and right exchanged, or is an axis "
+      "mirrored? A "
+      "Kinect's x grows to its own left, its y upwards, its z away from it",
+      100.0 * std::ranges::min(shares), shares.size() == 1 ? "is the sensor behind the person, " : "");
 }
 
 std::optional<std::string> JointFaults::out_of_reach_text() const {

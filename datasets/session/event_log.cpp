@@ -422,14 +422,12 @@ void EventLogWriter::write_and_sync() {
       changed_.notify_all();  // there is room again
       file_.append(block);
       written += block.size();
-      const bool sync = last || Clock::now() - last_sync >= kSyncPeriod;
-      if (sync) {
+      if (last || Clock::now() - last_sync >= kSyncPeriod) {
         file_.sync();
         last_sync = Clock::now();
       }
       lock.lock();
       written_ = written;
-      if (sync) synced_ = written;
     }
   } catch (const OutputError& error) {
     if (!lock.owns_lock()) lock.lock();
@@ -442,11 +440,6 @@ void EventLogWriter::write_and_sync() {
 std::uint64_t EventLogWriter::written_bytes() const {
   const std::lock_guard lock(mutex_);
   return written_;
-}
-
-std::uint64_t EventLogWriter::synced_bytes() const {
-  const std::lock_guard lock(mutex_);
-  return synced_;
 }
 
 }  // namespace trilat

@@ -134,7 +134,6 @@ class EventLogWriter {
   void release(std::uint64_t bytes) noexcept { file_.release(bytes); }
 
   std::uint64_t written_bytes() const;  // may be read from the file
-  std::uint64_t synced_bytes() const;   // are on the disk
 
  private:
   void append_record(std::uint8_t type, std::size_t sensor, std::span<const std::byte> payload);
@@ -146,7 +145,7 @@ class EventLogWriter {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<std::byte> gathered_;
-  std::uint64_t appended_ = 0, written_ = 0, synced_ = 0, last_mark_ = 0;
+  std::uint64_t appended_ = 0, written_ = 0, last_mark_ = 0;
   bool ended_ = false;
   std::string failure_;
   std::thread thread_;  // the last: it uses all of the above

@@ -408,7 +408,7 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
                   {session.path().string() + ":/sensors/" + session.header().sensors[s].name, &findings},
                   backward_feet, advance);
   if (const auto text = backward_feet_text(backward_feet))
-    findings.push_back({Severity::error, session.path().string() + ":/sensors", *text, kPositions});
+    findings.push_back({Severity::warning, session.path().string() + ":/sensors", *text, kPositions});
   try {
     verify_ends(session, findings);
   } catch (const InputError&) {

@@ -298,6 +298,15 @@ TEST(BodyTracker, JumpsComeAtTheDeclaredRateAndHaveTheDeclaredSizeAndDuration) {
   EXPECT_NEAR(jumps / (free_frames / 30.0 / 60.0), 6.0, 0.5);
 }
 
+TEST(BodyTracker, JumpsThatLastNoTimeAreNone) {
+  BodyTrackerSpec spec = exact_body_tracker();
+  spec.jump_rate_per_minute = all_groups(600.0);
+  spec.jump_size_m = 0.1;
+  spec.jump_duration_s = 0.0;
+  for (const auto& joints : errors_of(spec, 30))
+    for (const auto& error : joints) EXPECT_LT(error.norm(), 1e-6);
+}
+
 // Seen from the left, the right arm is behind the trunk.
 TEST(BodyTracker, HiddenJointsAreInferredOrForTheDeclaredShareOfStretchesSaidToBeTracked) {
   BodyTrackerSpec spec = exact_body_tracker();

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/synthetic/depth/depth_renderer.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -233,8 +235,13 @@ TEST(DepthRenderer, AUnitHasItsOffsetAndWiggle) {
 TEST(DepthRenderer, UnitsAreDrawnWithinTheDeclaredLimits) {
   const DepthNoiseSpec spec;
   Moments offset;
+  std::array<double, 3>
+      shares{};  // of units in which two of amplitude, length and phase lie both high or low
   for (std::uint64_t sensor = 0; sensor < 1000; ++sensor) {
     const DepthUnit unit = draw_depth_unit(spec, 3, sensor);
+    const std::array above{unit.wiggle_amplitude_m > 0.0035, unit.wiggle_length_m > 1.3,
+                           unit.wiggle_phase_rad > std::numbers::pi};
+    for (std::size_t k = 0; k < 3; ++k) shares[k] += above[k] == above[(k + 1) % 3] ? 1e-3 : 0.0;
     EXPECT_LE(std::abs(unit.offset_m), 0.024);
     EXPECT_GE(unit.wiggle_amplitude_m, 0.002);
     EXPECT_LE(unit.wiggle_amplitude_m, 0.005);
@@ -243,6 +250,8 @@ TEST(DepthRenderer, UnitsAreDrawnWithinTheDeclaredLimits) {
     offset.add(unit.offset_m);
   }
   EXPECT_NEAR(offset.sigma(), 0.024 / std::sqrt(3.0), 0.001);
+  for (const double share : shares)
+    EXPECT_NEAR(share, 0.5, 0.06) << "amplitude, length and phase are drawn each by itself";
   EXPECT_NE(draw_depth_unit(spec, 3, 1).offset_m, draw_depth_unit(spec, 4, 1).offset_m);
 }
 

@@ -127,6 +127,8 @@ TEST(JointFaults, FeetAreNamedWhereThoseOfAllSensorsPointBackwards) {
   EXPECT_EQ(backward_feet_text(std::array{0.69}), std::nullopt);
   EXPECT_EQ(backward_feet_text(std::array{0.98, 1.0, 0.4}), std::nullopt)
       << "two sensors are behind the person";
+  EXPECT_THAT(backward_feet_text(std::array{0.9}).value_or(""),
+              HasSubstr("90 % of the bodies: is the sensor behind the person, are left and right"));
   EXPECT_THAT(
       backward_feet_text(std::array{1.0, 0.7}).value_or(""),
       HasSubstr("feet point backwards in 70 % of the bodies: are left and right exchanged, or is an axis"));

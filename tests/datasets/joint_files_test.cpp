@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
 #include "datasets/mocap/mocap_writer.h"
+#include "datasets/mocap/read_mocap.h"
 #include "tests/support/scratch.h"
 #include "tests/support/whole_take.h"
 
@@ -113,6 +115,33 @@ TEST(JointFiles, FramesThatDoNotFollowEachOtherAtTheRateAreABug) {
   for (const double late : {0.6, -0.6})
     EXPECT_THAT([&] { written(late); },
                 testing::ThrowsMessage<InternalError>(HasSubstr("frames follow each other at the rate")));
+}
+
+// What is said of a file of these times, one joint a time.
+std::vector<std::string> said_of_times(const std::vector<double>& times) {
+  const ScratchFolder folder;
+  std::string text = "time_s,joint,x_m,y_m,z_m\n";
+  for (std::size_t i = 0; i < times.size(); ++i)
+    text += fmt::format("{},head,{},1.5,2\n", times[i], 0.01 * static_cast<double>(i));
+  write_file(folder / "mine.csv", text);
+  return read_joint_csv(folder / "mine.csv").taken_as;
+}
+
+TEST(JointFiles, TimesThatStepByOneMayCountFrames) {
+  EXPECT_THAT(said_of_times({0, 1, 2, 3}),
+              testing::ElementsAre(HasSubstr("time_s counts by 1, as frame numbers do")));
+  EXPECT_THAT(said_of_times({0, 1}), testing::IsEmpty());
+  EXPECT_THAT(said_of_times({0.5, 1.5, 2.5, 3.5}), testing::IsEmpty()) << "frame numbers are whole";
+  EXPECT_THAT(said_of_times({0, 2, 4}), testing::IsEmpty());
+}
+
+TEST(JointFiles, TimesOfCamerasAreReadInTheirUnit) {
+  EXPECT_THAT(said_of_times({0, 40, 80, 120}),
+              testing::ElementsAre(HasSubstr("taken as milliseconds, 25 Hz")));
+  EXPECT_THAT(said_of_times({0, 1000, 2000}),
+              testing::ElementsAre(HasSubstr("taken as microseconds, 1000 Hz")));
+  EXPECT_THAT(said_of_times({0, 200, 400}), testing::ElementsAre(HasSubstr("taken as milliseconds, 5 Hz")));
+  EXPECT_THAT(message_of([] { said_of_times({0, 300, 600}); }), HasSubstr("time_s steps by 300; in seconds"));
 }
 
 TEST(JointFiles, ATrackThatFailsLeavesNoFile) {

@@ -168,8 +168,10 @@ TEST(ReadMocap, RefusesWhatIsNoExportWithOneClearMessage) {
   for (const std::string& text : {std::string("hello\nworld\n"), std::string("\x89HDF\r\n\x1a\n\0\0\0\0", 12),
                                   std::string(5000, '\0'), std::string("HIERARCHY\nROOT Hips\n")}) {
     EXPECT_EQ(csv_refusal(text).place, "F:1");
-    EXPECT_THAT(csv_refusal(text).problem,
-                testing::ContainsRegex("is neither motion capture|is HDF5|is text in UTF-16|is BVH"));
+    EXPECT_THAT(
+        csv_refusal(text).problem,
+        testing::ContainsRegex(
+            "is neither motion capture|is HDF5|is a binary file|begins with zeros|is text in UTF-16|is BVH"));
   }
   EXPECT_THAT(csv_refusal("0,0.000000,1,2,3\n").problem, HasSubstr("header switched on"));
   EXPECT_THAT(csv_refusal("Format Version;1.23;Take Name\n").problem, HasSubstr("semicolons"));

@@ -73,6 +73,16 @@ TEST(ReadMocap, FindsTheColumnsBehindATimeCode) {
   EXPECT_EQ(take.frames.at(0).poses.at(0).position_m, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(ReadMocap, TakesTheTimeFromBehindATimeCode) {
+  const WholeTake take = read(
+      "Format Version,1.24,Take Name,walk,Length Units,Meters\n"
+      "\n,,Type,Marker,Marker,Marker\n,,Name,a,a,a\n,,ID,1,1,1\n,,,"
+      "Position,Position,Position\nFrame,TimeCode,Time (Seconds),X,Y,Z\n"
+      "7,15:26:46:12.02,0.5,1,2,3\n8,15:26:46:12.03,0.51,1,2,3\n9,15:26:46:12.04,0.52,1,2,4\n");
+  EXPECT_NEAR((take.frames.at(2).time - take.frames.at(0).time).seconds(), 0.02, 1e-9);
+  EXPECT_EQ(take.frames.at(2).poses.at(0).position_m, Eigen::Vector3d(1, 2, 4));
+}
+
 TEST(ReadMocap, KeepsTheParentsOfBones) {
   const WholeTake take =
       read(keys("1.25") +

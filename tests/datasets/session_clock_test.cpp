@@ -184,6 +184,22 @@ TEST(SensorClock, OneExchangeOrTwoOrManyAtOnceGiveAnOffset) {
   }
 }
 
+TEST(SensorClock, ExchangesThatRunBackwardsAreLeftOut) {
+  const ClockExchange sound{1'000'000'000, 5'000'200'000, 5'000'250'000, 1'000'450'000};
+  for (const ClockExchange& backward : {ClockExchange{2'000'000'000, 9'000'000'000, 8'999'000'000,
+                                                      1'999'500'000},  // answered before it was sent
+                                        ClockExchange{2'000'000'000, 9'000'000'000, 8'999'000'000,
+                                                      2'000'000'010},  // sent back before it came
+                                        ClockExchange{2'000'000'000, 9'000'000'000, 9'000'900'000,
+                                                      2'000'000'010},  // away for less than its answer took
+                                        ClockExchange{2'000'000'000, 9'000'000'000, 9'000'000'010,
+                                                      1'999'999'000}}) {  // back before it was sent
+    const AgentClock agent = fit_agent_clock(std::vector{sound, backward});
+    EXPECT_EQ(agent({5'000'225'000}).ns, 1'000'225'000);
+    EXPECT_EQ(agent({9'000'225'000}).ns, 5'000'225'000);
+  }
+}
+
 TEST(SensorClock, AFrameThatIsLateAloneIsNoRestart) {
   SimulatedClocks clocks{.seconds = 60.0};
   auto frames = clocks.frames();

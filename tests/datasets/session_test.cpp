@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -131,6 +132,23 @@ TEST(Session, AChangedByteOfDepthIsFoundByVerify) {
   bytes[at + chunk.size() / 2] ^= 0x10;
   std::ofstream(path, std::ios::binary) << bytes;
   EXPECT_THAT(said_of(path), HasSubstr("1 frames are damaged"));
+}
+
+TEST(Session, AChangedByteAmongTheLastBodiesIsRefused) {
+  const auto path = scratch("damaged.h5");
+  SessionWriter writer(path, header_of(1));
+  BodyFrame frame{{1, 333'333, 33'333'300}, {}, {standing_body()}};
+  frame.bodies[0].position_m[3] = {0.123F, 0.456F, 2.789F};
+  writer.add_body_frame(0, frame);
+  writer.finish();
+  std::string bytes = read_file(path);
+  std::string wanted(12, '\0');
+  std::memcpy(wanted.data(), frame.bodies[0].position_m[3].data(), 12);
+  const auto at = bytes.find(wanted);
+  ASSERT_NE(at, std::string::npos) << "positions are stored as they are";
+  bytes[at] ^= 0x10;
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_THAT(said_of(path), HasSubstr("the stored data are damaged"));
 }
 
 TEST(Session, DepthFramesWithoutAnyDepthAreCounted) {

@@ -277,6 +277,20 @@ TEST(Descent, OneIterationThatDoesNotConvergeIsItsLimit) {
   }
 }
 
+TEST(Descent, OfOneThatDivergedNoPositionIsGiven) {
+  RangeProblem problem;
+  problem.count = 4;
+  for (int i = 0; i < 4; ++i) {
+    problem.sensor_m[i] = Eigen::Vector3d(i % 2, i / 2, i == 3 ? 1.0 : 0.0);
+    problem.range_m[i] = 1.0;
+  }
+  const PointEstimate estimate =
+      estimate_of(problem, {.position_m = {1.0, 2.0, 3.0}, .status = SolveStatus::diverged, .iterations = 4});
+  EXPECT_EQ(estimate.status, SolveStatus::diverged);
+  EXPECT_TRUE(estimate.position_m.array().isNaN().all());
+  EXPECT_EQ(estimate.iterations, 4);
+}
+
 TEST(RangeLanes, RefuseDamping) {
   RangeLanes lanes(std::vector<Vector3d>(4, Vector3d::Zero()), 1);
   EXPECT_THROW(descend(lanes, {}), InternalError);

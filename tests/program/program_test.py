@@ -274,7 +274,8 @@ sys.exit(code)
         self.assertTrue((self.folder / "demo/report/report.html").exists())
 
     def test_a_recording_walks_to_a_calibration_and_to_a_table(self):
-        trilat("record", "--source", "synthetic:4,depth=no,duration=6", "--truth", self.folder / "truth", "-o", self.folder / "s.h5")
+        said = trilat("record", "--source", "synthetic:4,depth=no,duration=6", "--truth", self.folder / "truth", "-o", self.folder / "s.h5")
+        self.assertIn(f"s.h5: 6.0 s, {1e-6 * (self.folder / 's.h5').stat().st_size:.1f} MB", said)
         trilat("calibrate", self.folder / "s.h5", "--method", "bodies", "-o", self.folder / "calibration.json")
         study = self.written("study.json", {**STUDY, "alignments": ["rigid"]})
         said = trilat("run", study, "--campaign", self.folder / "truth", "--calibration", self.folder / "calibration.json",

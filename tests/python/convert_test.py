@@ -114,8 +114,10 @@ class ConvertTest(unittest.TestCase):
         self.assertEqual(report["k1"]["out_of_reach"], 2)
 
     def test_times_in_another_unit_are_refused(self):
-        for per_s, text, remedy in ((1_000, "{:.0f}", "multiplied by 10,000"), (1_000_000, "{:.0f}", "multiplied by 10 "),
-                                    (1, "{:.6f}", "multiplied by 10,000,000"), (1_000_000_000, "{:.0f}", "divided by 100 "),
+        for per_s, text, remedy in ((1_000, "{:.0f}", "as milliseconds they make 30[.0-9]*: multiply them by 10,000$"),
+                                    (1_000_000, "{:.0f}", "as microseconds they make 30: multiply them by 10$"),
+                                    (1, "{:.6f}", "as seconds they make 30[.0-9]*: multiply them by 10,000,000$"),
+                                    (1_000_000_000, "{:.0f}", "as nanoseconds they make 30[.0-9]*: divide them by 100$"),
                                     (90_000, "{:.0f}", "in another unit")):
             times = [text.format((0.69 + i / 30) * per_s) for i in range(9)]
             rows = "".join(made.labanotation_row(0, time) for i, time in enumerate(times))
@@ -219,7 +221,8 @@ class ConvertTest(unittest.TestCase):
         self.assertEqual(sensors["C001/body_frames/body_count"][:].tolist(), [3, 3, 3, 3, 0, 3, 3, 3, 3])
         self.assertEqual(sensors["C002/body_frames/sequence"][:].tolist(), [0, 1, 2, 3, 4, 5, 6, 8])
         self.assertEqual((report["C002"]["torn_rows"], report["C002"]["gap_frames"]), (1, 1))
-        self.assertEqual(subprocess.run([program_path(), "verify", self.folder / "session.h5"], capture_output=True).returncode, 0)
+        verified = subprocess.run([program_path(), "verify", self.folder / "session.h5"], capture_output=True, text=True)
+        self.assertEqual(verified.returncode, 0, verified.stderr)
 
     def test_ntu_refuses_other_recordings_and_other_files(self):
         name, text = "S001C002P003R002A013.skeleton", "1\n" + made.ntu_frame(made.ntu_body(0))
@@ -308,6 +311,11 @@ class ConvertTest(unittest.TestCase):
                 for frame in document["frames"]:
                     change(frame)
             self.assertIn(problem, self.refused("azure-kinect", changed(in_both)))
+        for by, remedy in ((1e-3, "as milliseconds they make 30: multiply them by 1,000"), (1e-6, "as seconds they make 30"),
+                           (1e3, "as nanoseconds they make 30: divide them by 1,000")):
+            document = json.loads(self.azure())
+            document["frames"] = [{**document["frames"][0], "frame_id": k, "timestamp_usec": 33333 * k * by} for k in range(9)]
+            self.assertIn(remedy, self.refused("azure-kinect", self.file("a.json", json.dumps(document))))
 
     def c3d(self, made_up, *options, code=0):
         """Converts a made-up C3D; gives what was said, the names, and positions (frames, markers, 3) in metres."""

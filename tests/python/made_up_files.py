@@ -12,7 +12,7 @@ CAMERA = (366.3, 366.5, 256.34, 208.49)  # fx, fy, cx, cy
 
 def joint_m(frame, joint):
     """A person 2.5 m in front of the sensor who goes aside by 1 cm a frame."""
-    return [0.01 * frame + 0.05 * (joint % 5) - 0.1, 0.06 * (joint // 5) - 0.15, 2.5 + 0.01 * joint]
+    return [0.01 * frame + 0.05 * (joint % 5) - 0.1, 0.15 - 0.06 * (joint // 5), 2.5 + 0.01 * joint]
 
 
 def pixel(frame, joint):

@@ -100,6 +100,27 @@ TEST(LiveSource, StopEndsTheWaitOfAnotherThread) {
   }
 }
 
+TEST(LiveSource, MovesStampsAndExchangesFromTheFramesClockToNow) {
+  constexpr std::int64_t kOrigin_ns = 15'000'000;
+  LiveSource source(std::make_unique<PatternSource>(1, 3),
+                    {.speed = 50.0, .one_clock = true, .origin_ns = kOrigin_ns});
+  const std::int64_t by_ns = source.start() - kOrigin_ns;
+  std::size_t frames = 0, exchanges = 0;
+  while (const auto event = source.next()) {
+    if (const auto* bodies = std::get_if<BodyFrame>(&event->data)) {
+      ++frames;
+      EXPECT_EQ(bodies->stamp.arrival_ns, PatternSource::stamp_of(bodies->stamp.sequence).arrival_ns + by_ns);
+    }
+    if (const auto* exchange = std::get_if<ClockExchange>(&event->data)) {
+      ++exchanges;
+      EXPECT_EQ(exchange->t1_ns % 1'000'000, (exchange->t4_ns - 3) % 1'000'000);
+      EXPECT_LE(std::abs(exchange->t1_ns - by_ns), 2);
+    }
+  }
+  EXPECT_EQ(frames, 3u);
+  EXPECT_EQ(exchanges, 3u);
+}
+
 TEST(Capture, WhatALiveSourceDeliversWithoutRoomIsDroppedAndCounted) {
   const ScratchFolder folder;
   CaptureOptions options;

@@ -195,7 +195,8 @@ struct Sensor : IKinectSensorTable {
   }
   HResult get_UniqueKinectId(std::uint32_t capacity, char16_t* id) override {
     constexpr std::u16string_view kSerial = u"012345678947";
-    if (capacity <= kSerial.size()) return kFailed;
+    if (capacity <= kSerial.size() || capacity >= kinect::kUniqueIdChars)
+      return kFailed;  // and a zero behind
     kSerial.copy(id, kSerial.size());
     return kOk;
   }

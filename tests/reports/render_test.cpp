@@ -209,6 +209,19 @@ TEST(Html, SentencesMarkCodeAndBoldAndCloseWhatIsOpen) {
   EXPECT_EQ(html_sentence("2 * 3"), "2 * 3");
 }
 
+TEST(Render, AnIntervalOfWhichOneEndIsUnknownIsNone) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const auto between = [](double low, double high) {
+    TableValue value = TableValue::of(3.0, 2);
+    value.low = low;
+    value.high = high;
+    return printed_interval(value);
+  };
+  EXPECT_EQ(between(1.0, 4.0), "1.00 to 4.00");
+  EXPECT_EQ(between(1.0, kNaN), "");
+  EXPECT_EQ(between(kNaN, 4.0), "");
+}
+
 TEST(Render, WhatRoundsToNothingHasNoSign) {
   EXPECT_EQ(printed(TableValue::of(-0.004, 2)), "0.00");
   EXPECT_EQ(printed(TableValue::of(-0.0, 0)), "0");

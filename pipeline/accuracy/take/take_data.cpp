@@ -118,7 +118,8 @@ std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& plan
                   *step_s, plan.study.sensor_gap_s,
                   kGapStep_s * std::ceil(kGapsOfFrames * *step_s / kGapStep_s)));
   }
-  if (const auto text = backward_feet_text(backward_feet)) notes.emplace_back("all sensors", *text);
+  if (const auto text = backward_feet_text(backward_feet); text && backward_feet.size() > 1)
+    notes.emplace_back("all sensors", *text);
   std::vector<TakeNote> result;
   for (const auto& [sensors, text] : notes)
     result.push_back({planned.take.id, false, planned.take.session.string(), sensors + ": " + text});

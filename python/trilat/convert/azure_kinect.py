@@ -102,7 +102,7 @@ def convert(arguments: argparse.Namespace) -> int:
     refuse_rate(arguments)
     frames, joints = read_document(path)
     check_unit(path, frames)
-    recording, confident, begin_usec = Recording("k1", path), False, first_time_usec(frames)
+    recording, confident, begin_usec = Recording("k1", path, unit_ns=1000.0), False, first_time_usec(frames)
     for number, frame in enumerate(frames):
         place = f"{path} /frames/{number}"
         with recording.row(place):

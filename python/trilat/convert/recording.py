@@ -18,9 +18,7 @@ TICKS_PER_S = 1e9 / TICK_NS
 MOST_OUT_OF_REACH = 0.5  # of the tracked joints of a recording
 MOST_LEFT_OUT = 0.5      # of its frames
 MOST_UPSIDE_DOWN, FEWEST_BODIES = 0.9, 30  # of its bodies
-# What another unit of time makes of the rate, and what to do with the times.
-OTHER_TIMES = [(float(factor), f"multiplied by {factor:,}") for factor in (10, 1_000, 10_000, 1_000_000, 10_000_000)] + [
-    (1 / factor, f"divided by {factor:,}") for factor in (10, 100, 1_000)]
+UNITS_NS = {"seconds": 1e9, "milliseconds": 1e6, "microseconds": 1e3, "nanoseconds": 1.0, "ticks of 100 ns": 100.0}
 USUAL_HZ, USUAL_HZ_WITHIN = 30.0, 0.5  # a third of the frames may be lost
 LATEST_TICKS = 2**59 // TICK_NS  # 18 years
 FEWEST_FITTED, SMALLEST_SPREAD, LARGEST_RMS_PX = 200, 0.03, 1.0
@@ -133,8 +131,9 @@ class Stamps:
 class Recording:
     """The frames of one sensor while a file is read; counts what is torn, repeated or goes back in time."""
 
-    def __init__(self, name: str, file: Path, rate_hz: float = 30.0) -> None:
-        self.name, self.file, self.rate_hz = name, file, rate_hz
+    def __init__(self, name: str, file: Path, rate_hz: float = 30.0, unit_ns: float = TICK_NS) -> None:
+        """`unit_ns` is that of the file's times."""
+        self.name, self.file, self.rate_hz, self.unit_ns = name, file, rate_hz, unit_ns
         self.left_out = {"torn_rows": 0, "repeated_times": 0, "backward_times": 0}
         self.first_left_out = ""
         self.stamps = Stamps(rate_hz)
@@ -219,9 +218,13 @@ class Recording:
             return
         rate_hz = TICKS_PER_S / np.median(steps[steps > 0])
         if not SLOWEST_HZ <= rate_hz <= FASTEST_HZ:
-            found = next((text for factor, text in OTHER_TIMES if abs(rate_hz / factor / USUAL_HZ - 1) < USUAL_HZ_WITHIN), None)
-            raise InputError(self.file, f"has {rate_hz:.6g} frames a second by its times, where a Kinect makes 30; " + (
-                f"{found} they make {USUAL_HZ:g}: write them so" if found else "are they in another unit than this format's?"))
+            factors = {unit: length_ns / self.unit_ns for unit, length_ns in UNITS_NS.items()}
+            found = next((unit for unit, by in factors.items() if abs(rate_hz / by / USUAL_HZ - 1) < USUAL_HZ_WITHIN), None)
+            remedy = "are they in another unit than this format's?"
+            if found:
+                by = factors[found]
+                remedy = f"as {found} they make {rate_hz / by:.3g}: {f'multiply them by {by:,.0f}' if by > 1 else f'divide them by {1 / by:,.0f}'}"
+            raise InputError(self.file, f"has {rate_hz:.6g} frames a second by its times, where a Kinect makes 30; {remedy}")
 
     def _check_times(self) -> None:
         """InputError where the times of most frames do not rise: then they are not what they are taken for."""
