@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <regex>
+
 #include <gmock/gmock.h>
 
+#include "reports/figures/draw_figures.h"
 #include "reports/figures/figures.h"
 
 namespace trilat {
@@ -27,6 +30,31 @@ TEST(HistoryFigure, DrawsWhatMovedMostFirstInCentimetresAndShadesAcceptedNights)
   EXPECT_DOUBLE_EQ(figure->series[0].points[1].x, 1.0);
   ASSERT_EQ(figure->bands.size(), 1u);
   EXPECT_LT(figure->bands[0].from, 0.0);
+}
+
+// The ends of an axis as gnuplot is told them.
+std::pair<double, double> range_of(const Figure& figure, const std::string& axis) {
+  std::smatch found;
+  const std::string script = gnuplot_script(figure);
+  if (!std::regex_search(script, found, std::regex("set " + axis + "range \\[([^:]*):([^\\]]*)\\]")))
+    return {0.0, 0.0};
+  return {std::stod(found[1]), std::stod(found[2])};
+}
+
+TEST(GnuplotScript, PointsThatAreNotDrawnWidenNoAxis) {
+  Figure figure{.id = "f", .title = "t", .caption = "c", .x_label = "x", .y_label = "y"};
+  figure.series.push_back({.name = "s", .points = {{1.0, 2.0}, {3.0, 4.0}}});
+  const auto x = range_of(figure, "x"), y = range_of(figure, "y");
+  EXPECT_LE(x.first, 1.0);
+  EXPECT_GE(x.second, 3.0);
+  EXPECT_LT(x.second, 4.0);
+  figure.series[0].points.push_back({100.0, kNaN});
+  figure.series[0].points.push_back({kNaN, 50.0});
+  EXPECT_EQ(range_of(figure, "x"), x);
+  EXPECT_EQ(range_of(figure, "y"), y);
+  figure.log_y = true;
+  figure.series[0].points.push_back({200.0, -1.0});  // has no place on an axis of powers
+  EXPECT_EQ(range_of(figure, "x"), x);
 }
 
 TEST(HistoryFigure, ThereIsNoneOfNightsWithoutErrors) {
