@@ -339,13 +339,14 @@ class ConvertTest(unittest.TestCase):
             found.parameters["POINT:UNITS"] = [units]
             return found
         self.assertEqual(self.c3d(of_unit("mm", 1000))[0].count("note"), 0)
-        self.assertIn("spread over 0.0017 m, taken in mm as POINT:UNITS says; in m over 1.65 m, as those of a person do: state --unit m",
+        self.assertIn("spread over 0.0017 m, taken in millimetres as POINT:UNITS says; in metres over 1.65 m, as those of a person do: state --unit m",
                       self.c3d(of_unit("mm", 1.0), code=2))
-        for units, per_m, right in (("mm", 100, "cm"), ("cm", 1000, "mm"), ("ft", 39.37, "in")):
+        for units, per_m, right in (("mm", 100, "centimetres"), ("cm", 1000, "millimetres"), ("ft", 39.37, "inches")):
             said, _, position_m = self.c3d(of_unit(units, per_m))
             self.assertIn(f"note: the markers spread over {1.65 * per_m * {'mm': 0.001, 'cm': 0.01, 'ft': 0.3048}[units]:.2g} m", said)
-            self.assertIn(f"in {right} over 1.65 m, as those of a person do: state --unit {right}", said)
-            said, _, position_m = self.c3d(of_unit(units, per_m), "--unit", right)
+            key = {"centimetres": "cm", "millimetres": "mm", "inches": "in"}[right]
+            self.assertIn(f"in {right} over 1.65 m, as those of a person do: state --unit {key}", said)
+            said, _, position_m = self.c3d(of_unit(units, per_m), "--unit", key)
             self.assertNotIn("note", said)
             np.testing.assert_allclose(position_m[0, 0], [0, 1.7, 0], rtol=1e-4)
         for nothing in (0.0, float("nan")):

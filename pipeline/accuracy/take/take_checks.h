@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/accuracy/take/person_choice.h"
 #include "pipeline/accuracy/take/take_data.h"
 
 namespace trilat {
@@ -14,6 +15,9 @@ struct TakeChecks {
   std::vector<TakeNote> notes = {};
   bool names_cause = false;  // of a truth that differs
 };
+
+// What each sensor's stream shows by itself; sensors that show the same are named together.
+std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& planned, const RigBodies& seen);
 
 // Checks of the sensors of a take against each other: the same stream twice, and what fit_sensors() finds. A
 // sound take has no note.

@@ -25,9 +25,6 @@ namespace trilat {
 namespace {
 
 constexpr std::size_t kTogether = 64;  // instants that one thread looks at for occlusions
-// A sensor_gap_s that fits a sensor's frames: so many times their distance, rounded up to whole steps.
-constexpr double kGapsOfFrames = 1.3, kGapStep_s = 0.05;
-constexpr double kHole = 2.0;  // times the median step between frames
 
 // Notes on the truth's axes and oddities.
 std::vector<TakeNote> notes_on_truth(const PlannedTake& planned, const SampledTruth& truth) {
@@ -66,64 +63,6 @@ BodyTracks follow(const Plan& plan, const PlannedTake& planned, const RigBodies&
                                   : body_at(seen[s].frames, time[i], gap, wanted);
   }
   return bodies;
-}
-
-// Mean time between a sensor's frames, longer holes left out; nothing for fewer than two frames.
-std::optional<double> frame_step_s(const SensorBodies& seen) {
-  std::vector<double> steps_s;
-  for (std::size_t f = 1; f < seen.frames.size(); ++f)
-    steps_s.push_back((seen.frames[f].time - seen.frames[f - 1].time).seconds());
-  if (steps_s.empty()) return std::nullopt;
-  const double most_s = kHole * upper_median(steps_s);
-  std::erase_if(steps_s, [&](double step_s) { return step_s > most_s; });
-  return std::accumulate(steps_s.begin(), steps_s.end(), 0.0) / static_cast<double>(steps_s.size());
-}
-
-// Notes on each sensor's stream by itself; sensors with the same note are named together.
-std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& planned, const RigBodies& seen) {
-  std::vector<std::pair<std::string, std::string>> notes;  // sensors, text
-  const auto note = [&](std::size_t s, const std::string& text) {
-    const auto same = std::ranges::find(notes, text, &std::pair<std::string, std::string>::second);
-    if (same == notes.end())
-      notes.emplace_back(plan.rig[s], text);
-    else
-      same->first += ", " + plan.rig[s];
-  };
-  std::vector<double> backward_feet;
-  for (std::size_t s = 0; s < seen.size(); ++s) {
-    if (const auto text = seen[s].joints.out_of_reach_text()) note(s, *text);
-    const auto misread = seen[s].joints.misread_text();
-    if (misread) note(s, *misread);
-    if (const auto text = seen[s].joints.upside_down_text()) note(s, *text);
-    if (const auto share = seen[s].joints.backward_feet()) backward_feet.push_back(*share);
-    if (const auto text = arrival_jump_text(planned.host_from_sensor[s])) note(s, *text);
-    if (seen[s].jumps > 0 && !misread)
-      note(s, fmt::format("{} times a body moves more than 1 m from one frame to the next under one tracking "
-                          "id; from there it counts as another body, and the person is chosen again",
-                          seen[s].jumps));
-    if (seen[s].stale > 0)
-      note(
-          s,
-          fmt::format(
-              "{} bodies repeat the one before to the last bit under new time stamps; they count as not seen",
-              seen[s].stale));
-    if (seen[s].not_later > 0)
-      note(s, fmt::format("{} frames have a time that is not after that of the frame before, and are left "
-                          "out: are they there twice, or was the sensor's clock set back?",
-                          seen[s].not_later));
-    if (const auto step_s = frame_step_s(seen[s]); step_s && *step_s > plan.study.sensor_gap_s)
-      note(s, fmt::format(
-                  "frames are {:.2f} s apart, and sensor_gap_s is {:g} s, so that nothing is interpolated "
-                  "between them and most instants have no answer; set \"sensor_gap_s\": {:g} in the study",
-                  *step_s, plan.study.sensor_gap_s,
-                  kGapStep_s * std::ceil(kGapsOfFrames * *step_s / kGapStep_s)));
-  }
-  if (const auto text = backward_feet_text(backward_feet); text && backward_feet.size() > 1)
-    notes.emplace_back("all sensors", *text);
-  std::vector<TakeNote> result;
-  for (const auto& [sensors, text] : notes)
-    result.push_back({planned.take.id, false, planned.take.session.string(), sensors + ": " + text});
-  return result;
 }
 
 // Chooses the person and takes their bodies at the instants.

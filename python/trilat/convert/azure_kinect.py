@@ -2,6 +2,7 @@
 """JSON of Microsoft's offline_processor (Azure Kinect Body Tracking): 32 joints a body, millimetres, y down, microseconds."""
 import argparse
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,7 @@ def array_of(body: dict, key: str, width: int, joints: list[int]) -> np.ndarray:
 
 def number_of(record: dict, key: str) -> float:
     value = record.get(key)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise TornRow(f'has {json.dumps(value)[:24]} for "{key}", where a number should be' if key in record else f'has no "{key}"')
     return value
 

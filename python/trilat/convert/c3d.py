@@ -225,8 +225,8 @@ def spread_of(file: C3d, markers: dict[int, str], unit: str, is_stated: bool) ->
     if is_stated or len(markers) < 2 or size_m == 0.0 or least <= size_m <= most:
         return spread_m
     others = [(other, size_m * UNIT_M[other] / UNIT_M[unit]) for other in UNIT_M]
-    text = f"the markers spread over {size_m:.2g} m, taken in {unit} as POINT:UNITS says" + "".join(
-        f"; in {other} over {other_m:.2f} m, as those of a person do: state --unit {other}"
+    text = f"the markers spread over {size_m:.2g} m, taken in {UNIT_NAMES[unit][-1]} as POINT:UNITS says" + "".join(
+        f"; in {UNIT_NAMES[other][-1]} over {other_m:.2f} m, as those of a person do: state --unit {other}"
         for other, other_m in others if PERSON_SPREAD_M[0] <= other_m <= PERSON_SPREAD_M[1])
     if not POSSIBLE_SPREAD_M[0] <= size_m <= POSSIBLE_SPREAD_M[1]:
         raise InputError(file.path, text)
