@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // An accuracy study's first lines, tested on chosen numbers.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "pipeline/accuracy/shown/accuracy_shown.h"
@@ -116,6 +117,41 @@ TEST(FirstScreen, SharedRowsStayAmongTheFirst) {
   EXPECT_THAT(leading_methods(s, "walking"), Contains("mean"));
   EXPECT_THAT(accuracy_figures(s).front().y_names, Contains("mean = mine"));
   EXPECT_THAT(paper_comparison(s).front(), StartsWith("**No**"));
+}
+
+TEST(FirstScreen, WithoutABestMethodItIsSaidWhyWhereAnyMethodAnswers) {
+  ResultsSummary s = chosen(1, {{"mean", 5.0}, {"rts", 4.0}});
+  s.best.clear();
+  EXPECT_THAT(accuracy_findings(s),
+              Contains(HasSubstr("too short for an interval, so no method is called best")));
+  s.numbers = {};
+  EXPECT_THAT(accuracy_findings(s), Not(Contains(HasSubstr("too short"))));
+}
+
+TEST(FirstScreen, TheTableOfErrorsHasARowAJointGroupAndMethod) {
+  const std::vector<Table> tables = accuracy_shown(chosen(6, {{"mean", 5.0}, {"rts", 4.0}}), {}).tables;
+  const auto errors =
+      std::ranges::find_if(tables, [](const Table& table) { return table.id.starts_with("accuracy"); });
+  ASSERT_NE(errors, tables.end());
+  ASSERT_EQ(errors->rows.size(), 2u);
+  EXPECT_EQ(errors->rows[1][1].text, "rts");
+  EXPECT_NEAR(errors->rows[1][4].number.value_or(kNaN), 4.0, 1e-9);
+}
+
+TEST(FirstScreen, ChecksAreShownInTheUnitOfPeople) {
+  TrackingSummary s;
+  for (const auto& [unit, value] : {std::pair{"m", 0.123}, {"rad", 0.1}, {"s", 0.25}, {"1", 0.5}})
+    s.checks.push_back(
+        {.take = "t", .subject = "k1", .what = "w", .unit = unit, .value = value, .limit = value});
+  const Table table = checks_table(s);
+  const auto shown = [&](std::size_t row) {
+    return fmt::format("{:.{}f} {}", table.rows[row][3].number.value_or(kNaN), table.rows[row][3].decimals,
+                       table.rows[row][5].text);
+  };
+  EXPECT_EQ(shown(0), "12.30 cm");
+  EXPECT_EQ(shown(1), "5.73 degrees");
+  EXPECT_EQ(shown(2), "0.250 s");
+  EXPECT_EQ(shown(3), "0.500 ratio");
 }
 
 TEST(FirstScreen, AStudyNamedAsItsCampaignIsNamedOnce) {

@@ -243,6 +243,32 @@ TEST(SensorFit, PosesPassedOnInACircleAreNamedWithTheirOrder) {
   EXPECT_GT(fit.before_m, 5.0 * fit.after_m);
 }
 
+TEST(SensorFit, PosesOfAllFourMayBePassedOnOrExchangedInPairs) {
+  for (const std::vector<std::size_t>& order : {std::vector<std::size_t>{1, 2, 3, 0}, {1, 0, 3, 2}}) {
+    MadeSensors made(Activity::walking, 4, 5);
+    std::vector<SensorStream> streams = made.with(Fault::none);
+    std::vector<std::size_t> wanted(4);
+    for (std::size_t s = 0; s < 4; ++s) {
+      streams[s].world_from_sensor = made.with(Fault::none)[order[s]].world_from_sensor;
+      wanted[order[s]] = s;  // whose pose stands under this name
+    }
+    const SensorsFit fit = fit_sensors(streams);
+    ASSERT_TRUE(fit.rig);
+    EXPECT_EQ(fit.rig->pose_of, wanted);
+  }
+}
+
+// The sensor itself has no part in the mean of the others.
+TEST(SensorFit, ASensorsDistanceIsThatFromTheOthers) {
+  for (const std::size_t sensors : {3, 4, 5}) {
+    MadeSensors made(Activity::walking, sensors, 5);
+    const SensorsFit fit = fit_sensors(made.with(Fault::shifted));
+    ASSERT_EQ(fit.changes.size(), 1u);
+    EXPECT_EQ(fit.changes[0].sensor, made.who());
+    EXPECT_NEAR(fit.changes[0].fit.before_m, 0.5, 0.05) << sensors;
+  }
+}
+
 // Sensors that stand level at one height agree about it; which way is up says it.
 TEST(SensorFit, APersonUpsideDownIsAChangeOfAll) {
   MadeSensors made(Activity::walking, 3, 5);

@@ -89,11 +89,12 @@ class ProgramTest(ScratchTest):
         self.assertTrue(document("verify", take / "session.h5")["sound"])
         mocap = document("info", take / "mocap.csv")
         self.assertEqual((len(mocap["assets"]), mocap["frames"], mocap["rate_hz"]), (28, 401, 100))
-        study = self.written("study.json", {**STUDY, "alignments": ["none"]})
+        study = self.written("study.json", {**STUDY, "alignments": ["none", "mean"]})
         self.assertEqual(len(document("run", study, "--campaign", self.made / "campaign", "--dry-run")["takes"]), 2)
         self.assertFalse(results.exists())
         ran = document("run", study, "--campaign", self.made / "campaign", "-o", results, "--cross-check")
         self.assertEqual((ran["takes_failed"], ran["cross_check_passed"]), (0, True))
+        self.assertEqual({row["alignment"] for row in ran["errors"]}, {"none"})  # the first
         for file in document("report", results, "-o", self.folder / "report")["files"]:
             self.assertTrue(Path(file).exists(), file)
         (self.folder / "campaign/p02-walking/session.h5").write_bytes((take / "session.h5").read_bytes()[:3000])
