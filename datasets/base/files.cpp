@@ -69,8 +69,7 @@ std::string_view foreign_kind(std::string_view first_bytes) {
       {"EVENTS1", "is a recording of Kinect Studio, which is not read"},
       {"\x1A\x45\xDF\xA3",
        "is a video (Matroska), as the Azure Kinect's recorder writes; `python3 -m trilat.convert "
-       "azure-kinect` "
-       "takes the JSON that Microsoft's offline_processor makes of it"},
+       "azure-kinect` takes the JSON that Microsoft's offline_processor makes of it"},
       {"#ROSBAG", "is a bag of ROS; write positions as CSV or TRC"},
       {"\x89PNG", "is a picture"},
       {"\xFF\xD8\xFF", "is a picture"},

@@ -57,7 +57,7 @@ constexpr OtherFormat kOtherFormats[] = {
     {"Format Version\t", "has tabs between its cells; save the file with commas"},
     {",Type,", kHeaderIsMissing},
     {"Frame,Time (Seconds)", kHeaderIsMissing}};
-// And how they are called.
+// The endings of such files, and what to do with them.
 struct OtherEnding {
   std::string_view ending;
   const char* text;

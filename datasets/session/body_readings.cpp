@@ -180,15 +180,14 @@ std::optional<double> JointFaults::backward_feet() const {
 std::optional<std::string> JointFaults::upside_down_text() const {
   if (heads_ < kMinBodies || 10 * heads_below_ < 9 * heads_) return std::nullopt;
   return fmt::format("heads lie below the feet: does y point down{}? A Kinect's points up",
-                     backward_feet() >= kBackward ? "" : ", and x to the other side");
+                     backward_feet().value_or(1.0) >= kBackward ? "" : ", and x to the other side");
 }
 
 std::optional<std::string> backward_feet_text(std::span<const double> shares) {
   if (shares.empty() || std::ranges::min(shares) < kBackward) return std::nullopt;
   return fmt::format(
       "feet point backwards in {:.0f} % of the bodies: {}are left and right exchanged, or is an axis "
-      "mirrored? A "
-      "Kinect's x grows to its own left, its y upwards, its z away from it",
+      "mirrored? A Kinect's x grows to its own left, its y upwards, its z away from it",
       100.0 * std::ranges::min(shares), shares.size() == 1 ? "is the sensor behind the person, " : "");
 }
 

@@ -60,7 +60,7 @@ class JointFaults {
 
 // Exchanged sides or a mirrored axis: where the feet of all sensors of a session point backwards, of which
 // `shares` holds the known ones. Those of a sensor behind the person do, too, since trackers take a back for
-// a front. Of 200 sensors that recorded people before them none has a share above 0.17.
+// a front. None of 200 sensors of real recordings has a share above 0.17.
 std::optional<std::string> backward_feet_text(std::span<const double> shares);
 
 // Finds what a sensor gives again: a driver that has nothing new repeats a body, to the last bit, under new

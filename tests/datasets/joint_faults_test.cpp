@@ -101,6 +101,13 @@ TEST(JointFaults, PersonsOnTheirHeadsAreNamedByTheAxesThatWereTurned) {
   EXPECT_EQ(faults_of(turned(-1, -1, 1)).upside_down_text(),
             "heads lie below the feet: does y point down, and x to the other side? A Kinect's points up");
   EXPECT_EQ(faults_of(turned(1, -1, 1), 14).upside_down_text(), std::nullopt) << "28 feet are too few";
+  const JointFaults footless = faults_of([](Body& body) {
+    turned(-1, -1, 1)(body);
+    for (const Joint joint : {Joint::foot_left, Joint::foot_right})
+      body.tracking_state[static_cast<std::size_t>(joint)] = 0;
+  });
+  EXPECT_EQ(footless.upside_down_text(), "heads lie below the feet: does y point down? A Kinect's points up")
+      << "without feet nothing is known of x";
 }
 
 TEST(JointFaults, FeetPointBackwardsUnderExchangedSidesAndMirroredAxes) {

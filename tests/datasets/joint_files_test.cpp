@@ -117,7 +117,7 @@ TEST(JointFiles, FramesThatDoNotFollowEachOtherAtTheRateAreABug) {
                 testing::ThrowsMessage<InternalError>(HasSubstr("frames follow each other at the rate")));
 }
 
-// What is said of a file of these times, one joint a time.
+// Notes of read_joint_csv() on a file that has one joint at each of these times.
 std::vector<std::string> said_of_times(const std::vector<double>& times) {
   const ScratchFolder folder;
   std::string text = "time_s,joint,x_m,y_m,z_m\n";

@@ -213,6 +213,18 @@ std::vector<Spoiled> all_spoiled() {
          for (auto& at : joints) at[1] = -at[1];
        }),
        {"spoiled.h5: k1, k2, k3, k4: heads lie below the feet: does y point down? A Kinect's"}},
+      {"bodies_upside_down",
+       bodies([](BodyPositions& joints) {
+         for (auto& at : joints) at[1] = -at[1];
+       }),
+       {"spoiled.h5: all sensors see the person ", "with x, y, z of all bodies read as (",
+        "Write the bodies so"}},
+      {"bodies_mirrored",
+       bodies([](BodyPositions& joints) {
+         for (auto& at : joints) at[0] = -at[0];
+       }),
+       {"spoiled.h5: all sensors see the person as in a mirror", "read as (-x, y, z)",
+        "Record without mirroring"}},
       {"bodies_with_exchanged_sides",
        bodies([](BodyPositions& joints) {
          for (std::size_t j = 0; j < kJointCount; ++j)

@@ -32,7 +32,7 @@ TEST(HistoryFigure, DrawsWhatMovedMostFirstInCentimetresAndShadesAcceptedNights)
   EXPECT_LT(figure->bands[0].from, 0.0);
 }
 
-// The ends of an axis as gnuplot is told them.
+// Lowest and highest value of an axis, as the script sets its range.
 std::pair<double, double> range_of(const Figure& figure, const std::string& axis) {
   std::smatch found;
   const std::string script = gnuplot_script(figure);

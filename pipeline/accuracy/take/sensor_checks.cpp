@@ -188,10 +188,11 @@ class SensorChecker {
   }
 
   void note_rig(const SensorsFit& fit) {
-    const std::string effect = fit.height_m < 0.0 ? "put right, the person stands upright"
-                                                  : "put right, the mean distance between two sensors " +
-                                                        falls_text(fit.before_m, fit.after_m);
     const RigChange& rig = *fit.rig;
+    const bool is_upside_down = fit.height_m < 0.0 && rig.convention.is_ours() && !rig.axes.isIdentity();
+    const std::string effect = is_upside_down ? "put right, the person stands upright"
+                                              : "put right, the mean distance between two sensors " +
+                                                    falls_text(fit.before_m, fit.after_m);
     if (std::abs(rig.distances - 1.0) > 1e-9) {
       checks_.misplaced = true;
       const double percent = 100.0 * std::abs(1.0 / rig.distances - 1.0);
@@ -210,12 +211,13 @@ class SensorChecker {
       checks_.misplaced = true;
       note(planned_.take.calibration, convention_text(rig) + "; " + effect + ". Write it so");
     } else if (!rig.axes.isIdentity()) {
-      const bool is_mirrored = rig.axes.determinant() < 0.0;
+      const bool is_mirrored =
+          rig.axes.isApprox(Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal().toDenseMatrix());
       note(planned_.take.session,
            fmt::format("all sensors see the person {}: with x, y, z of all bodies read as {}, {}. {}",
-                       fit.height_m < 0.0 ? "upside down"
-                       : is_mirrored      ? "as in a mirror"
-                                          : "in other axes than the calibration has",
+                       is_upside_down ? "upside down"
+                       : is_mirrored  ? "as in a mirror"
+                                      : "in other axes than the calibration has",
                        axes_text(rig.axes), effect,
                        is_mirrored ? "Record without mirroring" : "Write the bodies so"));
     } else {

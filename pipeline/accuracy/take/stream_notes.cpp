@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What each sensor's stream of bodies shows by itself.
+// Notes on one sensor's stream of bodies: its positions, clock, frames and frame rate.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

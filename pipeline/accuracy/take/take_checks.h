@@ -16,7 +16,8 @@ struct TakeChecks {
   bool names_cause = false;  // of a truth that differs
 };
 
-// What each sensor's stream shows by itself; sensors that show the same are named together.
+// Notes on the positions, clock, frames and frame rate of each sensor's stream. Sensors with the same note
+// are named together.
 std::vector<TakeNote> notes_on_streams(const Plan& plan, const PlannedTake& planned, const RigBodies& seen);
 
 // Checks of the sensors of a take against each other: the same stream twice, and what fit_sensors() finds. A
