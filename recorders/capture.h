@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/hdf5/chunk_codec.h"
 #include "recorders/agents.h"
 #include "recorders/frame_source.h"
 #include "recorders/spool.h"
@@ -70,5 +71,19 @@ std::filesystem::path found_session(const std::filesystem::path& path);
 // synced.
 CaptureSummary capture(const std::vector<std::unique_ptr<FrameSource>>& sources,
                        const std::filesystem::path& path, const CaptureOptions& options);
+
+struct RecordOptions {
+  ChunkCompression depth_compression = ChunkCompression::blosc;
+  std::function<bool()> stop_requested = {};  // asked now and then
+};
+
+struct RecordSummary {
+  std::uint64_t body_frames = 0;
+  std::uint64_t depth_frames = 0;
+};
+
+// Stores everything the source delivers in `path` (session.h5) until it ends. Throws Interrupted when asked
+// to stop, and nothing is left then.
+RecordSummary record(FrameSource& source, const std::filesystem::path& path, const RecordOptions& options);
 
 }  // namespace trilat

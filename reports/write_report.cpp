@@ -14,7 +14,6 @@
 #include "datasets/base/version.h"
 #include "reports/embedded_citation.h"
 #include "reports/page/page.h"
-#include "reports/render/latex.h"
 #include "reports/render/render.h"
 #include "reports/report_content.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/files.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 
 namespace trilat {
 namespace {

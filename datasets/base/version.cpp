@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "datasets/base/version.h"
 
-#include "datasets/base/content_hash.h"
+#include "datasets/base/files.h"
 
 namespace trilat {
 

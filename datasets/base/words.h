@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace trilat {
@@ -20,5 +21,18 @@ template <class Enum>
 std::string word_of(Enum value) {
   return words<Enum>.at(static_cast<std::size_t>(value));
 }
+
+// "a, b, c".
+std::string join_names(const std::vector<std::string>& names);
+
+// The first text that an earlier one equals; empty when all differ.
+std::string first_duplicate(const std::vector<std::string>& texts);
+
+// The known name that is nearest to a word that was mistyped, by letters put in, left out, changed or
+// exchanged (Damerau 1964); empty when none is near.
+std::string nearest_name(std::string_view word, const std::vector<std::string>& known);
+
+// For the end of a refusal: "allowed: head, neck; did you mean \"neck\"?".
+std::string known_names(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace trilat

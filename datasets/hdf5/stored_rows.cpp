@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/hdf5/stored_rows.h"
-
 #include <algorithm>
 #include <array>
 

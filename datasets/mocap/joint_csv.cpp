@@ -76,6 +76,7 @@ struct JointRow {
   double time_s;  // in the file's unit
   std::size_t joint;
   Eigen::Vector3d position_m;
+  std::size_t number;  // of the row in the file, from 0
 };
 
 // The rows of a file of joints, whose names become the assets of a take.
@@ -100,7 +101,7 @@ class JointRows {
       if (cells_.size() != names_.size())
         throw InputError(lines_.place(),
                          fmt::format("has {} cells under {} columns", cells_.size(), names_.size()));
-      rows.push_back({time(), joint(), position_m()});
+      rows.push_back({time(), joint(), position_m(), rows.size()});
     }
     far_.end();
     std::ranges::stable_sort(rows, {}, &JointRow::time_s);
@@ -113,8 +114,10 @@ class JointRows {
     double value = kNaN;
     const CellKind kind = parse_cell(cell(column), value);
     if (kind == CellKind::unreadable)
-      throw InputError(lines_.place(), fmt::format("{} is \"{}\", which is not a number",
-                                                   kJointColumns[column], cell(column)));
+      throw InputError(
+          lines_.place(),
+          fmt::format("{} is \"{}\", which is not a number; {}", kJointColumns[column], cell(column),
+                      column == 0 ? "times are seconds, such as 0.033" : "what is missing is left empty"));
     return kind == CellKind::number ? value : kNaN;
   }
   double time() const {
@@ -166,6 +169,30 @@ double set_times(const std::vector<JointRow>& rows, const std::string& place, Mo
   return unit_s;
 }
 
+// Throws InputError for two rows of one joint at one time, with what the file seems to be. `rows` are in the
+// order of time.
+[[noreturn]] void refuse_twice(const std::vector<JointRow>& rows, const JointRow& later,
+                               const std::string& name, const std::string& path, double unit_s) {
+  const auto is_before = [&](const JointRow& row) {
+    return row.joint == later.joint && row.number < later.number;
+  };
+  const JointRow *same = nullptr, *before = nullptr;  // in the order of the file
+  for (const JointRow& row : rows) {
+    if (!is_before(row)) continue;
+    if (row.time_s == later.time_s) same = &row;
+    if (!before || row.number > before->number) before = &row;
+  }
+  const std::string what = fmt::format("has {} twice at {:.6f} s", name, later.time_s * unit_s);
+  if (before && before->time_s > later.time_s)
+    throw InputError(path, fmt::format("{}: its times go back there from {:.6f} s, as where two recordings "
+                                       "or persons were joined, or a clock was set back; give each as a file "
+                                       "of its own",
+                                       what, before->time_s * unit_s));
+  if (same && same->position_m == later.position_m)
+    throw InputError(path, what + ", with one position: rows stand there twice; write each once");
+  throw InputError(path, what + "; the joints of one person are wanted");
+}
+
 }  // namespace
 
 bool is_joint_csv(const std::filesystem::path& path) {
@@ -189,9 +216,7 @@ MocapTake read_joint_csv(const std::filesystem::path& path) {
     while (take.time[frame].ns < since_first_ns) ++frame;
     Eigen::Vector3d& position_m = take.position_m[row.joint][frame];
     if (position_m.allFinite() && row.position_m.allFinite())
-      throw InputError(path.string(),
-                       fmt::format("has {} twice at {:.6f} s; the joints of one person are wanted",
-                                   take.header.assets[row.joint].name, row.time_s * unit_s));
+      refuse_twice(rows, row, take.header.assets[row.joint].name, path.string(), unit_s);
     if (!position_m.allFinite()) position_m = row.position_m;
   }
   take.missing = remove_missing(take.time, take.position_m);

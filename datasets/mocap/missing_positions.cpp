@@ -26,6 +26,40 @@ void remove_marked(Positions& position_m, MissingCounts& counts) {
   }
 }
 
+// Removes one value of three equal numbers, such as (-1, -1, -1), to and from which points jump again and
+// again.
+void remove_equal_numbers(std::vector<Positions>& position_m, std::vector<MissingCounts>& counts) {
+  constexpr double kMinJump_m = 0.3;
+  constexpr std::size_t kMinRepeats = 3;
+  struct Run {
+    std::size_t asset, first, end;
+  };
+  std::map<double, std::vector<Run>> runs;
+  std::map<double, std::size_t> repeats;
+  for (std::size_t a = 0; a < position_m.size(); ++a) {
+    const Positions& own = position_m[a];
+    const auto is_jump = [&](std::size_t one, std::size_t next) {
+      return !own[one].allFinite() || !own[next].allFinite() || (own[one] - own[next]).norm() > kMinJump_m;
+    };
+    for (std::size_t first = 0, end = 0; first < own.size(); first = end) {
+      end = first + 1;
+      if (own[first].x() != own[first].y() || own[first].y() != own[first].z()) continue;
+      while (end < own.size() && own[end] == own[first]) ++end;
+      const bool is_all = first == 0 && end == own.size();
+      if (is_all || (first > 0 && !is_jump(first - 1, first)) || (end < own.size() && !is_jump(end - 1, end)))
+        continue;
+      runs[own[first].x()].push_back({a, first, end});
+      repeats[own[first].x()] += end - first;
+    }
+  }
+  for (const auto& [value, of_value] : runs)
+    for (const Run& run : of_value)
+      for (std::size_t f = run.first; f < run.end && repeats[value] >= kMinRepeats; ++f) {
+        position_m[run.asset][f] = kNone;
+        ++counts[run.asset].filled;
+      }
+}
+
 void remove_fill_values(std::vector<Positions>& position_m, std::vector<MissingCounts>& counts) {
   constexpr std::size_t kSample = 20'000;  // positions that median and radius are estimated from
   constexpr double kMinRadius_m = 3.0, kRadii = 4.0;
@@ -152,6 +186,7 @@ std::vector<MissingCounts> remove_missing(std::span<const MocapTime> time,
   std::vector<MissingCounts> counts(position_m.size());
   for (std::size_t a = 0; a < position_m.size(); ++a) remove_marked(position_m[a], counts[a]);
   remove_fill_values(position_m, counts);
+  remove_equal_numbers(position_m, counts);
   std::vector<std::vector<std::pair<std::size_t, std::size_t>>> held;
   const HeldPositions found(time, position_m);
   for (std::size_t a = 0; a < position_m.size(); ++a) held.push_back(found.of(a));

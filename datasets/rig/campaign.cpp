@@ -15,7 +15,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/known_names.h"
+#include "datasets/base/words.h"
 
 namespace trilat {
 namespace {

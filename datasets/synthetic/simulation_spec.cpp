@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/philox.h"
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "datasets/synthetic/generated_person.h"
 
 namespace trilat {

@@ -8,7 +8,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "evaluators/fusion/kalman.h"
-#include "evaluators/fusion/motion_filter.h"
 
 namespace trilat {
 namespace {

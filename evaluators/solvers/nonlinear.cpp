@@ -7,7 +7,6 @@
 #include "datasets/base/error.h"
 #include "evaluators/solvers/range_lanes.h"
 #include "evaluators/solvers/sensor_plane.h"
-#include "evaluators/solvers/squared_ranges.h"
 
 namespace trilat {
 namespace {

@@ -10,24 +10,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/simulation_assumptions.h"
 #include "pipeline/accuracy/evaluate_take.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
-#include "pipeline/accuracy/take/hidden_views.h"
 #include "pipeline/accuracy/take/solve_take.h"
+#include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take_key.h"
 #include "pipeline/accuracy/wand_poses.h"
 #include "pipeline/claims/error_measures.h"
 #include "pipeline/claims/paper_claims.h"
 #include "pipeline/errors/numbers.h"
-#include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_run.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 namespace {

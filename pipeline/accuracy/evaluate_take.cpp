@@ -12,7 +12,6 @@
 #include "datasets/base/files.h"
 #include "datasets/results/stored_take.h"
 #include "pipeline/accuracy/external/external_joints.h"
-#include "pipeline/accuracy/take/hidden_views.h"
 #include "pipeline/accuracy/take/solve_take.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_rays.h"

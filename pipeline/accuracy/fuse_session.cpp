@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/take/solve_take.h"

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
@@ -28,27 +29,50 @@ struct MarkerRule {
 const std::vector<MarkerRule>& marker_rules() {
   constexpr bool kBone = true, kMarker = false;
   static const std::vector<MarkerRule> all{
-      // Motive's skeleton, and its names for FBX
+      // Motive's skeleton, and its names for FBX; those of Mixamo, Unity, Xsens, Unreal and OpenSim
       {Joint::spine_base, kBone, {"hip"}},
       {Joint::spine_base, kBone, {"hips"}},
+      {Joint::spine_base, kBone, {"pelvis"}},
       {Joint::spine_mid, kBone, {"chest"}},
       {Joint::spine_mid, kBone, {"spine1"}},
       {Joint::spine_shoulder, kBone, {"neck"}},
+      {Joint::spine_shoulder, kBone, {"neck01"}},
       {Joint::neck, kBone, {"head"}},
       {Joint::shoulder_left, kBone, {"@uarm"}},
       {Joint::shoulder_left, kBone, {"@@arm"}},
+      {Joint::shoulder_left, kBone, {"@@upperarm"}},
+      {Joint::shoulder_left, kBone, {"upperarm@"}},
+      {Joint::shoulder_left, kBone, {"humerus@"}},
       {Joint::elbow_left, kBone, {"@farm"}},
       {Joint::elbow_left, kBone, {"@@forearm"}},
+      {Joint::elbow_left, kBone, {"@@lowerarm"}},
+      {Joint::elbow_left, kBone, {"lowerarm@"}},
+      {Joint::elbow_left, kBone, {"ulna@"}},
       {Joint::wrist_left, kBone, {"@hand"}},
       {Joint::wrist_left, kBone, {"@@hand"}},
+      {Joint::wrist_left, kBone, {"hand@"}},
       {Joint::hip_left, kBone, {"@thigh"}},
       {Joint::hip_left, kBone, {"@@upleg"}},
+      {Joint::hip_left, kBone, {"@@upperleg"}},
+      {Joint::hip_left, kBone, {"@@thigh"}},
+      {Joint::hip_left, kBone, {"thigh@"}},
+      {Joint::hip_left, kBone, {"femur@"}},
       {Joint::knee_left, kBone, {"@shin"}},
       {Joint::knee_left, kBone, {"@@leg"}},
+      {Joint::knee_left, kBone, {"@@lowerleg"}},
+      {Joint::knee_left, kBone, {"@@shin"}},
+      {Joint::knee_left, kBone, {"calf@"}},
+      {Joint::knee_left, kBone, {"tibia@"}},
       {Joint::ankle_left, kBone, {"@foot"}},
       {Joint::ankle_left, kBone, {"@@foot"}},
+      {Joint::ankle_left, kBone, {"foot@"}},
+      {Joint::ankle_left, kBone, {"talus@"}},
       {Joint::foot_left, kBone, {"@toe"}},
       {Joint::foot_left, kBone, {"@@toebase"}},
+      {Joint::foot_left, kBone, {"@@toe"}},
+      {Joint::foot_left, kBone, {"@@toes"}},
+      {Joint::foot_left, kBone, {"ball@"}},
+      {Joint::foot_left, kBone, {"toes@"}},
       // joint centres
       {Joint::shoulder_left, kMarker, {"@sjc"}},
       {Joint::elbow_left, kMarker, {"@ejc"}},
@@ -146,6 +170,24 @@ std::optional<std::size_t> asset_called(const MocapHeader& header, const std::st
   return found;
 }
 
+// Whether a file without bones calls its points as an animation's skeleton calls bones: it has an upper arm
+// and a forearm, and no elbow. Its "LeftShoulder" is the collar bone.
+bool has_names_of_bones(const MocapHeader& header) {
+  const auto any = [&](const auto& is_such) {
+    return std::ranges::any_of(header.assets, [&](const MocapAsset& asset) {
+      return asset.type != AssetType::bone && asset.has_position && is_such(asset.name);
+    });
+  };
+  const auto is_one_of = [](const std::vector<std::string>& plain) {
+    return [plain](const std::string& name) {
+      return std::ranges::any_of(plain, [&](const std::string& one) { return is_called(name, one); });
+    };
+  };
+  return any(is_one_of({"leftarm", "leftupperarm", "upperarml", "humerusl"})) &&
+         any(is_one_of({"leftforearm", "leftlowerarm", "lowerarml", "ulnal"})) &&
+         !any([](const std::string& name) { return plain_name(name).find("elbow") != std::string::npos; });
+}
+
 bool is_bone(AssetType type) { return type == AssetType::bone; }
 bool is_marker(AssetType type) {
   return type == AssetType::marker || type == AssetType::bone_marker || type == AssetType::rigid_body_marker;
@@ -153,10 +195,11 @@ bool is_marker(AssetType type) {
 
 // Key of the asset of this name. A marker may stand in an export twice, measured and solved: the measured one
 // counts.
-std::optional<std::string> key_called(const MocapHeader& header, const std::string& name, bool bone) {
+std::optional<std::string> key_called(const MocapHeader& header, const std::string& name, bool bone,
+                                      bool all_are_bones) {
   std::optional<std::size_t> found;
   if (bone)
-    found = asset_called(header, name, is_bone);
+    found = asset_called(header, name, [&](AssetType type) { return all_are_bones || is_bone(type); });
   else if (found = asset_called(header, name, [](AssetType t) { return t == AssetType::marker; }); !found)
     found = asset_called(header, name, is_marker);
   return found ? std::optional(key_of(header, *found)) : std::nullopt;
@@ -176,19 +219,22 @@ std::vector<std::string> markers_numbered(const MocapHeader& header, const std::
   return keys;
 }
 
-std::vector<std::string> assets_of(const MocapHeader& header, Joint joint) {
-  // rigid bodies that are called as a joint is, and whatever else
-  if (const auto own =
-          asset_called(header, plain_name(name_of(joint)), [](AssetType t) { return !is_bone(t); }))
-    return {key_of(header, *own)};
-  if (auto numbered = markers_numbered(header, plain_name(name_of(joint))); !numbered.empty())
-    return numbered;
+std::vector<std::string> assets_of(const MocapHeader& header, Joint joint, bool all_are_bones) {
+  if (!all_are_bones) {
+    // rigid bodies that are called as a joint is, and whatever else
+    if (const auto own =
+            asset_called(header, plain_name(name_of(joint)), [](AssetType t) { return !is_bone(t); }))
+      return {key_of(header, *own)};
+    if (auto numbered = markers_numbered(header, plain_name(name_of(joint))); !numbered.empty())
+      return numbered;
+  }
   const bool right = name_of(joint).ends_with("_right");
   for (const MarkerRule& way : marker_rules()) {
-    if (way.joint != (right ? mirror_of(joint) : joint)) continue;
+    if (way.joint != (right ? mirror_of(joint) : joint) || way.bone < all_are_bones) continue;
     std::vector<std::string> assets;
     for (const std::string& name : way.names)
-      if (const auto key = key_called(header, of_side(name, right), way.bone)) assets.push_back(*key);
+      if (const auto key = key_called(header, of_side(name, right), way.bone, all_are_bones))
+        assets.push_back(*key);
     if (assets.size() == way.names.size()) return assets;
   }
   return {};
@@ -198,12 +244,24 @@ std::vector<std::string> assets_of(const MocapHeader& header, Joint joint) {
 
 JointMapping propose_mapping(const MocapHeader& header) {
   JointMapping mapping;
+  const bool all_are_bones = has_names_of_bones(header);
   for (int j = 0; j < kJointCount; ++j) {
     const auto joint = static_cast<Joint>(j);
-    if (auto assets = assets_of(header, joint); !assets.empty())
+    if (auto assets = assets_of(header, joint, all_are_bones); !assets.empty())
       mapping.joints.push_back({joint, std::move(assets)});
   }
   return mapping;
+}
+
+std::string bones_text(const MocapHeader& header) {
+  if (!has_names_of_bones(header)) return {};
+  for (const JointMapping::Entry& entry : propose_mapping(header).joints)
+    if (entry.joint == Joint::shoulder_left)
+      return fmt::format(
+          "calls its points as bones; each is taken as the joint where it begins, {} as "
+          "shoulder_left",
+          entry.assets.front());
+  return {};
 }
 
 bool is_in_mocap_world(const Take& take) { return read_calibration(take.calibration).world == "optitrack"; }

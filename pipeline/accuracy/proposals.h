@@ -16,7 +16,11 @@ namespace trilat {
 // numbered about a joint (head_1, head_2); with a prefix ("Ann:LFArm") or without, but for the last. A bone
 // stands at the joint that is nearer to the trunk: the forearm's is the elbow. Two markers about a joint are
 // its middle. Empty when no name is known, or when names do not tell two persons apart.
+// Where a file without bones has an upper arm, a forearm and no elbow, all its points are bones.
 JointMapping propose_mapping(const MocapHeader& header);
+
+// A note on points that are taken as bones for their names alone; empty where none are.
+std::string bones_text(const MocapHeader& header);
 
 // Whether a take's sensors are placed in the world of its mocap; else only a rigid alignment compares them.
 bool is_in_mocap_world(const Take& take);

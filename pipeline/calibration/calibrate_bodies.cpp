@@ -11,8 +11,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "datasets/session/clock/session_clock.h"
 #include "evaluators/calibration/rig_start.h"

@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/base/version.h"
 #include "evaluators/alignment/alignment.h"
 #include "pipeline/study/hash_cache.h"

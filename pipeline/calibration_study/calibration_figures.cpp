@@ -8,7 +8,7 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
-#include "pipeline/calibration_study/calibration_tables.h"
+#include "pipeline/calibration_study/calibration_numbers.h"
 #include "pipeline/calibration_study/place_samples.h"
 
 namespace trilat {

@@ -8,8 +8,8 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/simulation_assumptions.h"
-#include "pipeline/calibration_study/calibration_errors.h"
-#include "pipeline/calibration_study/calibration_tables.h"
+#include "pipeline/calibration_study/calibration_numbers.h"
+#include "pipeline/calibration_study/place_samples.h"
 #include "pipeline/study/results_run.h"
 
 namespace trilat {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/calibration_study/calibration_tables.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -7,13 +7,13 @@
 #include <fmt/ranges.h>
 
 #include "datasets/base/error.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "datasets/mocap/mocap_text.h"
 #include "datasets/session/clock/session_clock.h"
 #include "pipeline/calibration/wand_views.h"
-#include "pipeline/calibration_study/calibration_errors.h"
+#include "pipeline/calibration_study/place_samples.h"
 
 namespace trilat {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "datasets/base/error.h"
 #include "pipeline/calibration/calibrate_wand.h"
-#include "pipeline/calibration_study/calibration_errors.h"
+#include "pipeline/calibration_study/place_samples.h"
 
 namespace trilat {
 namespace {

@@ -10,7 +10,7 @@
 #include "datasets/results/summary.h"
 #include "pipeline/calibration_study/calibration_summary.h"
 #include "pipeline/claims/paper_claims.h"
-#include "pipeline/clocks/clocks_summary.h"
+#include "pipeline/clocks/clocks_study.h"
 #include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {

@@ -13,7 +13,6 @@
 #include "pipeline/accuracy/wand_poses.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/print_stored.h"
 
 namespace trilat {
 namespace {

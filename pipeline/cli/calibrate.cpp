@@ -17,9 +17,9 @@
 #include "pipeline/calibration/calibrate_wand.h"
 #include "pipeline/calibration/wand_views.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/study/machine.h"
+#include "pipeline/study/study.h"
 #include "reports/render/render.h"
 
 namespace trilat {

@@ -10,12 +10,12 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "datasets/base/text_output.h"
+#include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/print_stored.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

@@ -14,7 +14,7 @@
 #include "datasets/session/session_reader.h"
 #include "evaluators/wand/find_wand.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/terminal/skeleton_preview.h"
+#include "pipeline/cli/skeleton_preview.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

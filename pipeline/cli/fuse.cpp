@@ -10,7 +10,7 @@
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

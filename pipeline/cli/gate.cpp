@@ -13,7 +13,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
-#include "pipeline/gate/night_history.h"
+#include "pipeline/gate/gate_report.h"
 
 namespace trilat {
 namespace {

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/text_output.h"
+#include "datasets/base/words.h"
 #include "datasets/mocap/read_mocap.h"
 #include "pipeline/accuracy/proposals.h"
 #include "pipeline/cli/find_takes.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 
 namespace trilat {

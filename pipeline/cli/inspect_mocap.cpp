@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/json.h"
-#include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/mocap_take.h"
 #include "datasets/mocap/read_mocap.h"
 #include "pipeline/cli/verbs.h"
 
@@ -90,7 +90,7 @@ void print_text(const std::string& path, const MocapHeader& header, const MocapS
       fmt::print("odd: {}: {} positions are exactly (0, 0, 0), taken as missing\n", header.assets[i].name,
                  counts.at_origin);
     if (counts.filled > 0)
-      fmt::print("odd: {}: {} positions are one far value again and again, taken as missing\n",
+      fmt::print("odd: {}: {} positions are one value again and again, taken as missing\n",
                  header.assets[i].name, counts.filled);
     if (counts.held > 0)
       fmt::print(

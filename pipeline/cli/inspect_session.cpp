@@ -16,7 +16,7 @@
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "recorders/capture.h"
 

@@ -3,19 +3,24 @@
 
 #include <algorithm>
 #include <cctype>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/results/results_file.h"
+#include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/calibration_study/calibration_study.h"
 #include "pipeline/calibration_study/calibration_summary.h"
-#include "pipeline/cli/print_stored.h"
+#include "pipeline/cli/embedded_campaigns.h"
+#include "pipeline/cli/embedded_studies.h"
 #include "pipeline/clocks/clocks_study.h"
 #include "pipeline/sweep/sweep_study.h"
+#include "reports/render/render.h"
 
 namespace trilat {
 namespace {
@@ -175,6 +180,102 @@ const Kind* find_kind(const std::string& name) {
   const auto found = std::find_if(kinds().begin(), kinds().end(),
                                   [&](const Kind& kind) { return name_of(kind.kind) == name; });
   return found == kinds().end() ? nullptr : &*found;
+}
+
+namespace {
+
+constexpr std::size_t kWidest = 100;
+
+void print_sentence(std::string sentence) {
+  std::erase_if(sentence, [](char c) { return c == '*' || c == '`'; });
+  for (const std::string& line : lines_of(sentence, kWidest)) fmt::print("{}\n", line);
+}
+
+}  // namespace
+
+void print_stored(const std::filesystem::path& results, bool all) {
+  const std::optional<StoredTables> stored = read_json_file<StoredTables>(results);
+  if (!stored) throw InputError(results.string(), "has no tables.json; run the study again");
+  print_sentence(stored->title + ": " + stored->about);
+  for (const Table& table : stored->tables) {
+    const bool is_first = table.shown == Table::Placement::first;
+    if (all && table.shown != Table::Placement::file) fmt::print("\n{}", markdown_of(table));
+    if (!all && is_first && !table.rows.empty()) fmt::print("\n{}", terminal_text(table, kWidest));
+  }
+  fmt::print("\n");
+  for (const std::string& sentence : stored->sentences) print_sentence(sentence);
+  for (const std::string& finding : stored->findings) print_sentence(finding);
+  for (const std::string& warning : stored->warnings) print_sentence("warning: " + warning);
+}
+
+namespace {
+
+template <class List>
+Json document(const List& list, const std::string& name, const std::string& scale) {
+  const auto found = std::ranges::find_if(list, [&](const auto& entry) { return entry.name == name; });
+  TRILAT_CHECK(found != std::end(list), "a document that is built in has a name that is known");
+  Json json = parse_json(found->text, "pipeline/studies/" + name + ".json");
+  const Json scales = json.value("scales", Json::object());
+  json.erase("scales");
+  if (scales.contains(scale)) json.merge_patch(scales[scale]);
+  return json;
+}
+
+}  // namespace
+
+Json built_in_study(const std::string& name, const std::string& scale) {
+  return document(embedded::studies, name, scale);
+}
+Json built_in_campaign(const std::string& name, const std::string& scale) {
+  return document(embedded::campaigns, name, scale);
+}
+
+std::vector<std::string> built_in_studies() {
+  std::vector<std::string> names;
+  for (const auto& study : embedded::studies) names.emplace_back(study.name);
+  return names;
+}
+
+namespace {
+
+std::string some_of(const std::vector<std::string>& ids) {
+  constexpr std::size_t kMaxNamed = 8;
+  const std::size_t named = std::min(ids.size(), kMaxNamed);
+  std::string text =
+      fmt::format("{}", fmt::join(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(named), ", "));
+  if (ids.size() > named) text += fmt::format(" and {} more", ids.size() - named);
+  return text;
+}
+
+}  // namespace
+
+Json tally_json(const ItemCounts& tally) {
+  return {{"items", tally.all()},
+          {"items_computed", tally.computed.size()},
+          {"items_found", tally.found.size()},
+          {"items_failed", tally.failed.size()},
+          {"unchanged", tally.unchanged}};
+}
+
+void print_item_counts(const std::string& items, const ItemCounts& tally) {
+  if (tally.unchanged) {
+    fmt::print(stderr, "nothing changed: the results are there already\n");
+    return;
+  }
+  for (const std::string& damage : tally.damaged)
+    fmt::print(stderr, "computed again, because what was there is damaged: {}\n", damage);
+  if (!tally.found.empty())
+    fmt::print(stderr, "{} {} did not change and were there: {}\n", tally.found.size(), items,
+               some_of(tally.found));
+  if (!tally.computed.empty() && !tally.found.empty())
+    fmt::print(stderr, "{} {} were computed: {}\n", tally.computed.size(), items, some_of(tally.computed));
+}
+
+void tell_interrupted(const std::filesystem::path& folder) {
+  fmt::print(
+      stderr,
+      "trilat: interrupted; what was finished has been kept in {}, and the same command goes on from there\n",
+      folder.string());
 }
 
 }  // namespace trilat

@@ -86,4 +86,28 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign);
 OpenedStudy open_accuracy(const RunArguments& arguments, const Json& study);
 int print_accuracy(const std::filesystem::path& results, Json document, const PrintOptions& shown);
 
+// Prints the stored title, tables, findings and warnings of a study on stdout. Only the first tables are
+// printed, cut to the width of a terminal; with `all` every table that a report shows is printed whole.
+void print_stored(const std::filesystem::path& results, bool all = false);
+
+// The scales that `trilat reproduce` knows, the smallest first; the documents that are built in say under
+// "scales", as a JSON merge patch, what each changes of them. The last changes nothing.
+inline const std::vector<std::string> kScales{"demo", "quick", "paper", "full"};
+
+// A document of pipeline/studies at a scale, without its "scales". InternalError for a name that is none.
+Json built_in_study(const std::string& name, const std::string& scale = "full");
+Json built_in_campaign(const std::string& name, const std::string& scale = "full");
+
+std::vector<std::string> built_in_studies();
+
+// items, items_computed, items_found, items_failed, unchanged.
+Json tally_json(const ItemCounts& tally);
+
+// On stderr, what was not computed and what had to be computed again, when there was such; `items`: what they
+// are called.
+void print_item_counts(const std::string& items, const ItemCounts& tally);
+
+// On stderr, what a run that was stopped has left where.
+void tell_interrupted(const std::filesystem::path& folder);
+
 }  // namespace trilat

@@ -12,7 +12,7 @@
 #include "datasets/session/session_recover.h"
 #include "datasets/session/write_session.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "recorders/capture.h"
 

@@ -9,11 +9,11 @@
 #include "datasets/base/json.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/found_results.h"
-#include "reports/claims/claims.h"
+#include "reports/claims.h"
 #include "reports/render/render.h"
 #include "reports/write_report.h"
 

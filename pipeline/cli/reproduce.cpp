@@ -13,14 +13,12 @@
 #include "datasets/base/text_output.h"
 #include "datasets/results/summary.h"
 #include "pipeline/claims/judge_claims.h"
-#include "pipeline/cli/built_in.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/print_stored.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/campaign_study.h"
-#include "pipeline/study/machine.h"
+#include "pipeline/study/study.h"
 #include "reports/write_report.h"
 
 namespace trilat {

@@ -5,15 +5,13 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/text_output.h"
-#include "pipeline/cli/built_in.h"
+#include "datasets/base/words.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
-#include "pipeline/cli/run_words.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/study/machine.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 namespace {

@@ -6,16 +6,16 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/session/session_verify.h"
 #include "pipeline/cli/check_output.h"
-#include "pipeline/cli/run_words.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/kinds.h"
+#include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/simulate/calibration_recordings.h"
 #include "pipeline/simulate/campaign_study.h"
-#include "pipeline/study/machine.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 namespace {

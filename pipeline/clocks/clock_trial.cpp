@@ -9,7 +9,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/units.h"
-#include "datasets/session/clock/live_clock.h"
+#include "datasets/session/clock/agent_clock.h"
 #include "datasets/session/clock/true_clocks.h"
 
 namespace trilat {

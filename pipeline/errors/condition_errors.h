@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -9,15 +10,44 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
+#include "datasets/results/stored_take.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/take_errors.h"
 #include "evaluators/metrics/statistics.h"
-#include "pipeline/errors/movement.h"
-#include "pipeline/errors/pair_errors.h"
+#include "pipeline/errors/take_errors.h"
 
 namespace trilat {
+
+// Distances from the truth of two methods on the samples that both answer, each aligned on just these: one
+// that answers less would else be fitted to fewer samples, and look better for it. Sums over a block of time.
+struct PairRow {
+  std::uint32_t block = 0, quantity = 0, alignment = 0, subset = 0, n = 0;
+  double first_m = 0.0, second_m = 0.0;
+};
+
+using MethodPair = std::pair<std::uint32_t, std::uint32_t>;  // places in the take's methods
+using PairErrors = std::map<MethodPair, std::vector<PairRow>>;
+
+// Errors of some pairs, from the samples; of each an entry, also without any. Reads the file three times,
+// from memory where its samples are below 64 MB.
+PairErrors pair_errors(const StoredTake& take, const ErrorSettings& settings,
+                       std::span<const MethodPair> pairs);
+
+// How the truth of a joint moves, and the errors of one method in the half of its samples with the larger
+// acceleration and in the other half: numbers of samples and sums over a block of time.
+struct MovementRow {
+  std::uint32_t quantity = 0, block = 0, speeds = 0, abrupt = 0, calm = 0;
+  double speed_m_s = 0.0, abrupt_m = 0.0, calm_m = 0.0;
+};
+
+// A row a joint and block, from the samples of the first track and how `table` lays the method's under the
+// study's first alignment over the truth. Speeds are taken from the instants beside, accelerations from those
+// a fifteenth of a second away, so that a marker's noise of some tenths of a millimetre does not decide them.
+std::vector<MovementRow> movement_of(const StoredTake& take, const TakeErrors& table, std::size_t method,
+                                     double rate_hz);
 
 // A take that was evaluated, and the errors of its samples.
 struct TakeTable {

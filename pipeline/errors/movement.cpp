@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/errors/movement.h"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "evaluators/solvers/point_estimate.h"
+#include "pipeline/errors/condition_errors.h"
 #include "pipeline/errors/take_errors.h"
 
 namespace trilat {

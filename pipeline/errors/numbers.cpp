@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "datasets/base/error.h"
-#include "evaluators/metrics/agreement.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "evaluators/metrics/statistics.h"
 

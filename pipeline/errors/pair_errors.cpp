@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/errors/pair_errors.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "pipeline/errors/column_alignments.h"
+#include "pipeline/errors/condition_errors.h"
 #include "pipeline/errors/track_samples.h"
 
 namespace trilat {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "evaluators/metrics/joint_angles.h"
+#include "evaluators/metrics/body_metrics.h"
 
 namespace trilat {
 namespace {

@@ -13,7 +13,7 @@ namespace trilat {
 
 // Joint angles of a take and their errors, left and right together: knee, elbow and hip flexion, and the
 // trunk's inclination where y is up, where the take's joints have their points; before any alignment, which
-// turns no angle or, joint by joint, spoils it. Formulas: evaluators/metrics/joint_angles.h.
+// turns no angle or, joint by joint, spoils it. Formulas: evaluators/metrics/body_metrics.h.
 class TakeAngles {
  public:
   explicit TakeAngles(const TakeHead& head);

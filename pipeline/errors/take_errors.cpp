@@ -10,12 +10,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
+#include "datasets/base/files.h"
 #include "datasets/rig/skeleton.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "evaluators/solvers/point_estimate.h"
-#include "pipeline/errors/column_alignments.h"
 #include "pipeline/errors/take_angles.h"
 #include "pipeline/errors/track_samples.h"
 

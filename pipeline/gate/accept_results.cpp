@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "datasets/base/document.h"
 #include "datasets/results/gate_history.h"
 #include "datasets/results/numbers.h"
+#include "pipeline/gate/found_results.h"
 
 namespace trilat {
 
@@ -121,5 +125,17 @@ Json gate_json(const GateReport& report);
 
 // "2 participants in table3": what was not judged and why; empty when all was.
 std::string not_judged_text(const GateReport& report);
+
+// Mean errors (m) that a history keeps of accuracy studies: one for each method and condition, averaged over
+// the joint groups, under the study's first alignment.
+std::map<std::string, double> mean_errors_of(const ResultsSet& results);
+
+// The name of what a finding is about, the same every night; a history keeps it of each alarm.
+std::string key_of(const GateFinding& finding);
+
+// Sets "since when" of the report's alarms: the first of the nights in a row, up to the report's, that raised
+// the same alarm. Returns how many nights there are since the last accepted change, without the report's.
+// Nights before the report's baseline was accepted do not count. Without any night nothing is set.
+std::size_t set_since(std::span<const Night> history, GateReport& report);
 
 }  // namespace trilat

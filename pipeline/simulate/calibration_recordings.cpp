@@ -17,7 +17,7 @@
 #include "pipeline/calibration/wand_views.h"
 #include "pipeline/simulate/simulate_take.h"
 #include "pipeline/study/parallel.h"
-#include "recorders/recorder.h"
+#include "recorders/capture.h"
 
 namespace trilat {
 namespace {

@@ -11,7 +11,7 @@
 #include "datasets/synthetic/motion.h"
 #include "datasets/synthetic/simulated_markers.h"
 #include "datasets/synthetic/simulation_spec.h"
-#include "recorders/recorder.h"
+#include "recorders/capture.h"
 #include "recorders/synthetic_source.h"
 
 namespace trilat {

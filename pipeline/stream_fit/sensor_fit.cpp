@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "evaluators/solvers/point_estimate.h"
-#include "pipeline/stream_fit/sensor_motion.h"
 
 namespace trilat {
 namespace {

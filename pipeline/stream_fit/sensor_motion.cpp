@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/stream_fit/sensor_motion.h"
-
 #include <algorithm>
 #include <array>
 
+#include "pipeline/stream_fit/sensor_fit.h"
 #include "pipeline/stream_fit/stream_change.h"
 
 namespace trilat {

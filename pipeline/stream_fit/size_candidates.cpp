@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/stream_fit/size_candidates.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "datasets/base/median.h"
 #include "evaluators/solvers/point_estimate.h"
+#include "pipeline/stream_fit/stream_search.h"
 
 namespace trilat {
 namespace {

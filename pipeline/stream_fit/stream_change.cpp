@@ -8,7 +8,7 @@
 
 #include <Eigen/LU>
 
-#include "evaluators/alignment/rotation_fit.h"
+#include "evaluators/alignment/alignment.h"
 #include "evaluators/solvers/point_estimate.h"
 
 namespace trilat {

@@ -99,6 +99,14 @@ struct FrameSums {
     subject_m2 += subject.squaredNorm();
     products_m2.noalias() += subject * reference.transpose();
   }
+  void add(const FrameSums& other) {
+    pairs += other.pairs;
+    reference_m += other.reference_m;
+    of_subject_m += other.of_subject_m;
+    reference_m2 += other.reference_m2;
+    subject_m2 += other.subject_m2;
+    products_m2 += other.products_m2;
+  }
 };
 
 // Rotation (mirrored where that is asked for) and shift of least squares, and the squared distances that they

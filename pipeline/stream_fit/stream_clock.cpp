@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/stream_fit/stream_clock.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
+
+#include "pipeline/stream_fit/stream_search.h"
 
 namespace trilat {
 namespace {

@@ -8,8 +8,6 @@
 #include <cstdint>
 
 #include "evaluators/metrics/statistics.h"
-#include "pipeline/stream_fit/size_candidates.h"
-#include "pipeline/stream_fit/stream_clock.h"
 #include "pipeline/stream_fit/stream_search.h"
 
 namespace trilat {
@@ -61,6 +59,7 @@ class ChangeChoice {
     fit.before_m = mean_of_known(judged_.front().errors.plain_m);
     fit.after_m = mean_of_known(errors.plain_m);
     fit.of_point_m = errors.of_point_m;
+    fit.of_block_m = errors.plain_m;
     if (mean_of_known(errors.judged_m) > kUnexplained_m)
       fit.status = StreamFitStatus::unexplained;
     else if (fit.changes.empty())
@@ -231,6 +230,7 @@ StreamFit fit_streams(const StreamPair& pair, const std::vector<std::size_t>& mi
     fit.status = StreamFitStatus::sound;
     fit.before_m = fit.after_m = mean_of_known(unchanged.plain_m);
     fit.of_point_m = unchanged.of_point_m;
+    fit.of_block_m = unchanged.plain_m;
     return fit;
   }
   return ChangeChoice(pair, blocks, options, search_changes(pair, blocks, mirrored, options)).choose(fit);

@@ -24,9 +24,10 @@ struct StreamFit {
   // Mean distance between the streams without and with the first change, each judged on blocks of time that
   // its frame was not fitted to. `before_m` is NaN where they have no time in common.
   double before_m = 0.0, after_m = 0.0;
-  double overlap_s = 0.0;          // of both, without a change
-  int flat_axis = 0;               // 0 to 2
-  std::vector<double> of_point_m;  // mean distance by point after the first change, NaN where it is not known
+  double overlap_s = 0.0;  // of both, without a change
+  int flat_axis = 0;       // 0 to 2
+  // Mean distance after the first change by point, and by block of time; NaN where it is not known.
+  std::vector<double> of_point_m, of_block_m;
 };
 
 // So much of the error without a cause may be left with it.

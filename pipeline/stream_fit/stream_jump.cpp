@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "pipeline/stream_fit/stream_jump.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include "datasets/base/units.h"
 
 namespace trilat {
 namespace {
 
+constexpr double kMinPairsOfPiece = 20.0;
 constexpr double kUnknown_m = 0.2;  // counts for an instant of the subject that the reference does not have
 
 // Mean distances over the points, by instant of the subject, with its times later by `start_s`; NaN where the
@@ -97,6 +101,39 @@ std::vector<double> distances_with(const StreamPair& pair, const StreamChange& c
 constexpr std::array kSplits{0.5, 0.25, 0.75, 0.15, 0.85};
 constexpr double kExplained = 1.0 / 3.0;
 
+// Both streams in one block of time, every second instant apart.
+struct Piece {
+  std::array<FrameSums, 2> sums;
+  std::array<std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>, 2> points_m;  // reference, subject
+};
+
+std::vector<Piece> pieces_of(const StreamPair& pair, const TimeBlocks& blocks) {
+  std::vector<Piece> pieces(blocks.count);
+  const StreamChange none;
+  ChangedPairs pairs(pair, none);
+  for (std::size_t i = 0; i < pair.reference.instants(); i += blocks.step) {
+    const double since_s = pair.reference.time_s(i) - pair.reference.first_s;
+    Piece& piece = pieces[std::min(blocks.count - 1, static_cast<std::size_t>(since_s / blocks.length_s))];
+    const std::size_t half = i / blocks.step % 2;
+    pairs.visit(i, [&](std::size_t, const Eigen::Vector3d& reference, const Eigen::Vector3d& subject) {
+      piece.sums.at(half).add(reference, subject);
+      piece.points_m.at(half).emplace_back(reference, subject);
+    });
+  }
+  std::erase_if(pieces, [](const Piece& piece) {
+    return piece.sums[0].pairs < kMinPairsOfPiece || piece.sums[1].pairs < kMinPairsOfPiece;
+  });
+  return pieces;
+}
+
+// Mean distance of a piece's points of one half with a frame.
+double left_m(const Piece& piece, std::size_t half, const FrameFit& frame) {
+  double sum_m = 0.0;
+  for (const auto& [reference, subject] : piece.points_m.at(half))
+    sum_m += (reference - frame.rotation * subject - frame.shift_m).norm();
+  return sum_m / piece.sums.at(half).pairs;
+}
+
 }  // namespace
 
 std::optional<ClockJump> find_clock_jump(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
@@ -115,7 +152,7 @@ std::optional<ClockJump> find_clock_jump(const StreamPair& pair, const std::vect
 }
 
 std::optional<PartChange> find_part_change(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-                                           const StreamFitOptions& options, double before_m) {
+                                           const StreamFitOptions& options, double most_left_m) {
   const unsigned causes = kAllStreamCauses & ~unsigned{kStartCause | kRateCause | kLaterSizeCause};
   const std::size_t instants = pair.subject.instants();
   const std::vector<double> plain_m = distances_with(pair, no_change(options));
@@ -130,11 +167,37 @@ std::optional<PartChange> find_part_change(const StreamPair& pair, const std::ve
       const std::vector<double> changed_m = distances_with(pair, change);
       const auto [at, after_m] =
           is_later ? least_between(plain_m, changed_m) : least_between(changed_m, plain_m);
-      if (after_m < (best ? best->after_m : kExplained * before_m))
+      if (after_m < (best ? best->after_m : most_left_m))
         best = PartChange{change, is_later, pair.reference.time_s(at), after_m};
     }
   }
   return best;
+}
+
+std::optional<FrameDrift> find_frame_drift(const StreamPair& pair) {
+  constexpr double kExplainedDrift = 0.7, kMinGain_m = 0.035, kMostLeft_m = 0.1;
+  const TimeBlocks blocks = blocks_of(pair);
+  const std::vector<Piece> pieces = pieces_of(pair, blocks);
+  if (pieces.size() < kMinJudgedBlocks) return std::nullopt;
+  FrameSums all;
+  for (const Piece& piece : pieces) all.add(piece.sums[0]);
+  const FrameFit one = fit_frame(all, FrameChange::turned, false);
+  double one_m = 0.0, own_m = 0.0;
+  for (const Piece& piece : pieces) {
+    one_m += left_m(piece, 1, one) / static_cast<double>(pieces.size());
+    own_m += left_m(piece, 1, fit_frame(piece.sums[0], FrameChange::turned, false)) /
+             static_cast<double>(pieces.size());
+  }
+  if (!(own_m < std::min({kExplainedDrift * one_m, one_m - kMinGain_m, kMostLeft_m}))) return std::nullopt;
+  const FrameFit first = fit_frame(pieces.front().sums[0], FrameChange::turned, false),
+                 last = fit_frame(pieces.back().sums[0], FrameChange::turned, false);
+  const FrameSums& end = pieces.back().sums[0];
+  const Eigen::Vector3d centre_m = end.of_subject_m / end.pairs;
+  const Eigen::Vector3d moved_m =
+      last.rotation * centre_m + last.shift_m - first.rotation * centre_m - first.shift_m;
+  return FrameDrift{moved_m.norm(),
+                    Eigen::AngleAxisd(Eigen::Matrix3d(last.rotation * first.rotation.transpose())).angle(),
+                    blocks.length_s, own_m};
 }
 
 }  // namespace trilat

@@ -32,8 +32,20 @@ struct PartChange {
 };
 
 // A change of frame, names or size in a part, which explains a difference that fit_streams() does not: with
-// it the mean distance is below a third of `before_m`.
+// it the mean distance is below `most_left_m`.
 std::optional<PartChange> find_part_change(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
-                                           const StreamFitOptions& options, double before_m);
+                                           const StreamFitOptions& options, double most_left_m);
+
+// A frame that moves against that of the reference as time goes on: the positions of inertial suits do, and
+// those of a camera that is carried.
+struct FrameDrift {
+  double shift_m = 0.0, turn_rad = 0.0;  // of the subject, from the first piece to the last
+  double piece_s = 0.0;
+  double after_m = 0.0;  // mean distance between the streams with a frame of its own for each piece
+};
+
+// A drift that explains what one frame for all does not: piece by piece the mean distance is 0.7 of that or
+// less, 3.5 cm smaller, and below 10 cm. Frames are fitted to every second instant and judged on the others.
+std::optional<FrameDrift> find_frame_drift(const StreamPair& pair);
 
 }  // namespace trilat

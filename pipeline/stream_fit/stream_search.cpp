@@ -10,8 +10,6 @@
 #include <set>
 
 #include "evaluators/solvers/point_estimate.h"
-#include "pipeline/stream_fit/size_candidates.h"
-#include "pipeline/stream_fit/stream_clock.h"
 
 namespace trilat {
 namespace {

@@ -263,4 +263,13 @@ std::string part_note(const PartChange& part, double before_m, const StreamWords
       kCentimetresPerMetre * before_m, kCentimetresPerMetre * part.after_m);
 }
 
+std::string drift_note(const FrameDrift& drift, double before_m, const StreamWords& words) {
+  return fmt::format(
+      "moves against {}, by {:.0f} cm and {:.0f} degrees from its beginning to its end, as the positions of "
+      "inertial suits drift: each {:.1f} s put right by a frame of their own, its mean distance falls from "
+      "{:.1f} to {:.1f} cm. Compare shorter takes, under the alignment \"rigid\"",
+      words.reference, kCentimetresPerMetre * drift.shift_m, kDegreesPerRad * drift.turn_rad, drift.piece_s,
+      kCentimetresPerMetre * before_m, kCentimetresPerMetre * drift.after_m);
+}
+
 }  // namespace trilat

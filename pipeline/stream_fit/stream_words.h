@@ -32,5 +32,7 @@ std::string stream_note(const StreamFit& fit, const StreamWords& words);
 std::string jump_note(const ClockJump& jump, double before_m, const StreamWords& words);
 // The note on a change in a part.
 std::string part_note(const PartChange& part, double before_m, const StreamWords& words);
+// The note on a frame that moves.
+std::string drift_note(const FrameDrift& drift, double before_m, const StreamWords& words);
 
 }  // namespace trilat

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/document.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/version.h"

@@ -13,7 +13,6 @@
 
 #include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
-#include "pipeline/study/machine.h"
 #include "pipeline/study/study.h"
 
 namespace trilat {

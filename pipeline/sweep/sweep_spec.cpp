@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/base/known_names.h"
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 
 namespace trilat {
 namespace {

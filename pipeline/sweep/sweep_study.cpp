@@ -10,10 +10,9 @@
 
 #include "datasets/base/error.h"
 #include "datasets/results/results_file.h"
-#include "datasets/results/timings.h"
-#include "pipeline/study/machine.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_run.h"
+#include "pipeline/study/study.h"
 #include "pipeline/sweep/sweep_cell.h"
 #include "pipeline/sweep/sweep_tables.h"
 

@@ -1,18 +1,37 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/base/document.h"
+#include "datasets/base/json.h"
 #include "datasets/paper/printed_tables.h"
 #include "datasets/results/figure.h"
+#include "datasets/results/results_file.h"
 #include "datasets/results/table.h"
-#include "datasets/results/timings.h"
 #include "pipeline/sweep/sweep_spec.h"
 #include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
+
+// Times measured on this machine.
+struct SweepTimings {
+  static constexpr const char* kFile = "timings.json";
+  std::string study;
+  std::string processor;
+  // Problems of each cell that the scalar solver solved on one thread, the fastest of three times; 0: all
+  // trials, made and solved as the run took them.
+  std::uint64_t problems = 0;
+  std::vector<double> solve_us;  // a solve, start included; of each cell of the summary, in its order
+
+  static void fields(auto& self, auto&& f) {
+    f.format("trilat.timings");
+    f("study", self.study, "processor", self.processor, "problems", self.problems, "solve_us", self.solve_us);
+  }
+};
 
 // Tables of a sweep: the paper's Table I beside ours, and every cell.
 StoredTables sweep_tables(const SweepSummary& summary, const SweepTimings& timings);

@@ -3,7 +3,7 @@
 #include <windows.h>
 
 #include "datasets/base/error.h"
-#include "recorders/kinect_sdk/kinect_runtime.h"
+#include "recorders/kinect_sdk/kinect_source.h"
 
 namespace trilat::kinect {
 

@@ -2,19 +2,52 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "datasets/session/session_types.h"
 #include "recorders/frame_source.h"
-#include "recorders/kinect_sdk/kinect_bodies.h"
-#include "recorders/kinect_sdk/kinect_runtime.h"
 #include "recorders/kinect_sdk/sdk_interfaces.h"
 
 namespace trilat {
+namespace kinect {
+
+// Calls of the Kinect runtime and of Windows that a source needs.
+struct KinectRuntime {
+  std::function<HResult(IKinectSensor** sensor)> default_sensor;
+  // True when the handle was signalled within the time.
+  std::function<bool(WaitableHandle handle, std::chrono::milliseconds at_most)> wait;
+  std::function<void(void* memory)> free;  // what the runtime gave away
+};
+
+// Loads Kinect20.dll. InputError where it is not installed. Windows only.
+KinectRuntime load_kinect_runtime();
+
+// The SDK's six body objects, which it makes once and fills anew for every frame. One thread at a time.
+class KinectBodies {
+ public:
+  KinectBodies() = default;
+  ~KinectBodies();
+  KinectBodies(const KinectBodies&) = delete;
+  KinectBodies& operator=(const KinectBodies&) = delete;
+
+  // False where the frame gives no bodies.
+  bool refresh(IBodyFrame& frame);
+  // The tracked ones of the last refresh(), as the SDK gives them.
+  std::vector<Body> tracked() const;
+
+ private:
+  std::array<IBody*, kBodyCount> slots_{};
+};
+
+}  // namespace kinect
 
 // Numbers the frames of streams that share a device clock but carry no numbers. A gap of n periods skips
 // n - 1 numbers, frames of one exposure get one number, and numbers of a stream always rise.

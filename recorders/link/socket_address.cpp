@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/link/socket_address.h"
-
 #include <charconv>
 #include <string_view>
 
 #include "datasets/base/error.h"
+#include "recorders/link/byte_stream.h"
 
 namespace trilat {
 

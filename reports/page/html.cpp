@@ -9,7 +9,6 @@
 #include <zlib.h>
 
 #include "datasets/base/error.h"
-#include "reports/render/latex.h"
 #include "reports/render/render.h"
 
 namespace trilat {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "reports/render/latex.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

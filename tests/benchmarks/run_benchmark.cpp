@@ -13,7 +13,7 @@
 #include "datasets/base/json.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/simulate/campaign_study.h"
-#include "pipeline/study/machine.h"
+#include "pipeline/study/study.h"
 
 namespace trilat {
 namespace {

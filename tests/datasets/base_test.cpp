@@ -11,7 +11,6 @@
 
 #include <gmock/gmock.h>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/philox.h"

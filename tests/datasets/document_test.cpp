@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <gmock/gmock.h>
 
-#include "datasets/base/known_names.h"
+#include "datasets/base/words.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/mocap_take.h"
 #include "datasets/mocap/read_mocap.h"
 #include "tests/support/paths.h"
 #include "tests/support/whole_take.h"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/mocap/mocap_summary.h"
-
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -11,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
+#include "datasets/mocap/mocap_take.h"
 #include "datasets/mocap/read_mocap.h"
 #include "tests/datasets/temporary_file.h"
 

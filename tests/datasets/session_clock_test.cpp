@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/base/error.h"
-#include "datasets/session/clock/live_clock.h"
+#include "datasets/session/clock/agent_clock.h"
 #include "tests/datasets/simulated_clocks.h"
 
 namespace trilat {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/metrics/agreement.h"
-
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "evaluators/metrics/statistics.h"
 
 namespace trilat {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "evaluators/metrics/joint_angles.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "evaluators/metrics/body_metrics.h"
 
 namespace trilat {
 namespace {

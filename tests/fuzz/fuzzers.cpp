@@ -6,13 +6,13 @@
 #include <string>
 
 #include "datasets/base/error.h"
-#include "datasets/mocap/mocap_summary.h"
+#include "datasets/mocap/mocap_take.h"
 #include "datasets/mocap/read_mocap.h"
 #include "datasets/session/event_log.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
+#include "recorders/link/byte_stream.h"
 #include "recorders/link/messages.h"
-#include "recorders/link/socket_address.h"
 #include "tests/fuzz/fuzz_folder.h"
 #include "tests/fuzz/memory_file.h"
 

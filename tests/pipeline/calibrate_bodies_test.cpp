@@ -7,7 +7,7 @@
 
 #include "datasets/base/files.h"
 #include "datasets/base/units.h"
-#include "pipeline/study/machine.h"
+#include "pipeline/study/study.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 #include "tests/support/trials.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-#include "reports/claims/claims.h"
+#include "reports/claims.h"
 
 #include <set>
 

@@ -11,7 +11,6 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "pipeline/clocks/clocks_study.h"
-#include "pipeline/clocks/clocks_summary.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "reports/tables/tables.h"
+#include "reports/tables.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/gate/night_history.h"
+#include "pipeline/gate/gate_report.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
 

@@ -8,7 +8,7 @@
 
 #include "datasets/results/gate_history.h"
 #include "pipeline/accuracy/accuracy_study.h"
-#include "pipeline/clocks/clocks_summary.h"
+#include "pipeline/clocks/clocks_study.h"
 #include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/found_results.h"

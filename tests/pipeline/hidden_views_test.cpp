@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/hidden_views.h"
-
 #include <map>
 
 #include <gmock/gmock.h>
@@ -8,6 +6,7 @@
 #include "datasets/base/error.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
+#include "pipeline/accuracy/take/take_data.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

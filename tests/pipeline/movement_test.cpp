@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/errors/movement.h"
-
 #include <gmock/gmock.h>
 
 #include "evaluators/solvers/point_estimate.h"
+#include "pipeline/errors/condition_errors.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/methods/over_time.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -12,6 +10,7 @@
 
 #include "datasets/base/files.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/methods/method.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/error_cells.h"
 #include "tests/support/scratch.h"

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/person_choice.h"
-
 #include <gmock/gmock.h>
 
 #include "datasets/base/files.h"
 #include "datasets/results/item_store.h"
 #include "datasets/rig/calibration.h"
 #include "pipeline/accuracy/accuracy_study.h"
+#include "pipeline/accuracy/take/take_checks.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/rewritten_session.h"
 #include "tests/support/scratch.h"

@@ -10,7 +10,7 @@
 #include "datasets/rig/rigid_transform.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
-#include "pipeline/cli/terminal/skeleton_preview.h"
+#include "pipeline/cli/skeleton_preview.h"
 #include "tests/datasets/made_session.h"
 #include "tests/pipeline/program.h"
 #include "tests/support/paths.h"

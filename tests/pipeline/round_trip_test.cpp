@@ -9,13 +9,13 @@
 #include "datasets/results/item_store.h"
 #include "datasets/results/summary.h"
 #include "datasets/results/table.h"
-#include "datasets/results/timings.h"
 #include "datasets/rig/calibration.h"
 #include "datasets/rig/campaign.h"
 #include "pipeline/accuracy/tracking_summary.h"
 #include "pipeline/calibration_study/calibration_summary.h"
-#include "pipeline/clocks/clocks_summary.h"
+#include "pipeline/clocks/clocks_study.h"
 #include "pipeline/sweep/sweep_summary.h"
+#include "pipeline/sweep/sweep_tables.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

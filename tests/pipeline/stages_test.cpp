@@ -6,7 +6,7 @@
 #include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
-#include "pipeline/accuracy/take/open_take.h"
+#include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/wand_poses.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/pipeline/error_cells.h"

@@ -9,10 +9,10 @@
 #include <gmock/gmock.h>
 
 #include "datasets/base/error.h"
-#include "datasets/results/timings.h"
 #include "pipeline/sweep/sweep_cell.h"
 #include "pipeline/sweep/sweep_study.h"
 #include "pipeline/sweep/sweep_summary.h"
+#include "pipeline/sweep/sweep_tables.h"
 #include "tests/pipeline/swept_folders.h"
 #include "tests/support/scratch.h"
 

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "evaluators/solvers/point_estimate.h"
-#include "pipeline/errors/pair_errors.h"
+#include "pipeline/errors/condition_errors.h"
 #include "tests/support/scratch.h"
 
 namespace trilat {

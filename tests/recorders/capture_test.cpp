@@ -12,7 +12,7 @@
 #include "datasets/base/files.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
-#include "recorders/live_source.h"
+#include "recorders/open_source.h"
 #include "tests/recorders/pattern_source.h"
 #include "tests/support/scratch.h"
 

@@ -9,7 +9,7 @@
 
 #include "datasets/rig/depth_camera.h"
 #include "datasets/session/session_types.h"
-#include "recorders/kinect_sdk/kinect_runtime.h"
+#include "recorders/kinect_sdk/kinect_source.h"
 #include "tests/recorders/fake_kinect_tables.h"
 
 namespace trilat::kinect::fake {

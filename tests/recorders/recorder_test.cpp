@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "recorders/recorder.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "datasets/base/content_hash.h"
 #include "datasets/base/files.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
+#include "recorders/capture.h"
 #include "recorders/synthetic_source.h"
 #include "tests/support/scratch.h"
 

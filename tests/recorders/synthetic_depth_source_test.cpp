@@ -6,7 +6,7 @@
 #include "datasets/base/error.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
-#include "recorders/recorder.h"
+#include "recorders/capture.h"
 #include "recorders/synthetic_source.h"
 #include "tests/support/scratch.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
-#include "reports/claims/claims.h"
+#include "reports/claims.h"
 #include "reports/render/render.h"
 #include "tests/reports/summaries.h"
 

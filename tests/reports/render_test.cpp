@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 
 #include "reports/page/html.h"
-#include "reports/render/latex.h"
 
 namespace trilat {
 namespace {

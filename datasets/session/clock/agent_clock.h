@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "datasets/base/time.h"
 #include "datasets/session/session_types.h"
@@ -49,5 +50,22 @@ struct AgentClock {
 // 10 s each about the line. A constant difference between the delays of both ways moves the clock by half of
 // it, which no exchange can show.
 AgentClock fit_agent_clock(std::span<const ClockExchange> exchanges);
+
+// The clock of a sensor's computer as a live system knows it: by the exchange of least delay of the last
+// eight that were answered by then, as NTP's clock filter (RFC 5905, section 10). Equations 20 and 21 of the
+// paper, the signs of their first line corrected (erratum E11). Before the first exchange it is the first;
+// without any both clocks are the same.
+class LiveClock {
+ public:
+  explicit LiveClock(std::span<const ClockExchange> exchanges);
+  HostTime operator()(AgentTime t) const;
+
+ private:
+  struct Known {
+    AgentTime answered;
+    Duration delay, host_minus_agent;
+  };
+  std::vector<Known> exchanges_;  // by `answered`
+};
 
 }  // namespace trilat

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "datasets/base/median.h"
+#include "datasets/base/units.h"
 #include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/stream_fit/stream_words.h"
 
@@ -81,6 +85,135 @@ std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, co
   return texts;
 }
 
+// Points that the subject has at one place, and the reference has not.
+std::vector<std::string> copy_texts(const StreamPair& pair, const std::vector<std::string>& names) {
+  constexpr double kMinInstants = 10.0, kAlmostAll = 0.9;
+  const auto share_equal = [](const PointStream& stream, std::size_t one, std::size_t other) {
+    double known = 0.0, equal = 0.0;
+    for (std::size_t i = 0; i < stream.instants(); ++i) {
+      if (!stream.at(i, one).allFinite() || !stream.at(i, other).allFinite()) continue;
+      known += 1.0;
+      equal += stream.at(i, one) == stream.at(i, other) ? 1.0 : 0.0;
+      if (known >= kMinInstants && equal < kAlmostAll * known) break;
+    }
+    return known < kMinInstants ? 0.0 : equal / known;
+  };
+  std::vector<std::string> texts;
+  for (std::size_t one = 0; one < names.size(); ++one)
+    for (std::size_t other = one + 1; other < names.size(); ++other)
+      if (share_equal(pair.subject, one, other) > kAlmostAll &&
+          share_equal(pair.reference, one, other) <= kAlmostAll)
+        texts.push_back(
+            fmt::format("has {} and {} at one place to the last digit; was one copied for the other?",
+                        names[one], names[other]));
+  return texts;
+}
+
+struct Distance {
+  double m, when_s;
+};
+
+// Distances between the streams by point, with the change that was found.
+std::vector<std::vector<Distance>> distances_of(const StreamPair& pair, const StreamFit& fit) {
+  const StreamChange change = fit.changes.empty() ? StreamChange{} : fit.changes.front();
+  std::vector<std::vector<Distance>> all(pair.reference.points);
+  ChangedPairs pairs(pair, change);
+  for (std::size_t i = 0; i < pair.reference.instants(); ++i)
+    pairs.visit(i, [&](std::size_t j, const Eigen::Vector3d& reference, const Eigen::Vector3d& subject) {
+      all[j].push_back(
+          {(reference - change.rotation * subject - change.shift_m).norm(), pair.reference.time_s(i)});
+    });
+  return all;
+}
+
+double median_m(const std::vector<Distance>& distances) {
+  if (distances.empty()) return kNaN;
+  std::vector<double> all_m;
+  for (const Distance& distance : distances) all_m.push_back(distance.m);
+  return upper_median(std::move(all_m));
+}
+
+// Points that lie much farther off than the others.
+std::string point_text(const std::vector<std::vector<Distance>>& distances, const StreamFit& fit,
+                       const std::vector<std::string>& names) {
+  constexpr double kMinOff_m = 0.2, kTimes = 4.0;
+  constexpr double kSound_m = 0.1;  // of half the points, where the others are all that is wrong
+  constexpr std::size_t kMinPoints = 4;
+  std::vector<double> of_point_m, known_m;
+  for (const std::vector<Distance>& of_point : distances) of_point_m.push_back(median_m(of_point));
+  std::ranges::copy_if(of_point_m, std::back_inserter(known_m), [](double m) { return std::isfinite(m); });
+  if (known_m.size() < kMinPoints) return {};
+  const double half_m = upper_median(known_m);
+  if (fit.status == StreamFitStatus::unexplained && (half_m > kSound_m || !fit.changes.empty())) return {};
+  std::vector<std::string> far;
+  for (std::size_t j = 0; j < names.size(); ++j)
+    if (of_point_m[j] > std::max(kMinOff_m, kTimes * half_m))
+      far.push_back(fmt::format("{} {:.0f} cm", names[j], kCentimetresPerMetre * of_point_m[j]));
+  if (far.empty()) return {};
+  return fmt::format(
+      "has {} from the truth{}, and half of its points less than {:.1f} cm; does the name stand for another "
+      "point, or are its axes others?",
+      fmt::join(far, ", "), fit.changes.empty() ? "" : " when it is put right",
+      kCentimetresPerMetre * half_m);
+}
+
+// Few positions that make much of the mean error.
+std::string outlier_text(const std::vector<std::vector<Distance>>& distances) {
+  constexpr double kFar_m = 1.0, kTimes = 10.0, kMostShare = 0.1, kMuch = 0.2;
+  constexpr std::size_t kMinPositions = 100;
+  std::vector<Distance> all;
+  for (const std::vector<Distance>& of_point : distances)
+    all.insert(all.end(), of_point.begin(), of_point.end());
+  if (all.size() < kMinPositions) return {};
+  const double half_m = median_m(all), far_m = std::max(kFar_m, kTimes * half_m);
+  double sum_m = 0.0, far_sum_m = 0.0, far = 0.0, first_s = HUGE_VAL;
+  for (const auto& [m, when_s] : all) {
+    sum_m += m;
+    if (m < far_m) continue;
+    first_s = std::min(first_s, when_s);
+    far_sum_m += m;
+    far += 1.0;
+  }
+  const auto count = static_cast<double>(all.size());
+  if (far == 0.0 || far > kMostShare * count || far_sum_m < kMuch * sum_m) return {};
+  return fmt::format(
+      "has {:.1f} % of its positions more than {:.0f} cm from the truth, first at {:.2f} s, and half of all "
+      "less than {:.1f} cm: these few make {:.0f} % of the mean error",
+      100.0 * far / count, kCentimetresPerMetre * far_m, first_s, kCentimetresPerMetre * half_m,
+      100.0 * far_sum_m / sum_m);
+}
+
+// Whether the distance is much larger in some blocks of time than in others.
+bool is_uneven(const StreamFit& fit) {
+  constexpr double kTimes = 2.0, kMinWorst_m = 0.1;
+  std::vector<double> known_m;
+  std::ranges::copy_if(fit.of_block_m, std::back_inserter(known_m),
+                       [](double m) { return std::isfinite(m); });
+  if (known_m.size() < kMinJudgedBlocks) return false;
+  std::ranges::sort(known_m);
+  const double best_m = known_m[known_m.size() / 6],
+               worst_m = known_m[known_m.size() - 1 - known_m.size() / 6];
+  return worst_m > std::max(kMinWorst_m, kTimes * best_m);
+}
+
+// The note on what changes as time goes on, where no one change explains the difference; the fit's own else.
+std::string fit_text(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
+                     const StreamFitOptions& options, const StreamFit& fit, const StreamWords& words) {
+  const bool is_unexplained = fit.status == StreamFitStatus::unexplained;
+  if (!is_unexplained && !(fit.status == StreamFitStatus::sound && is_uneven(fit)))
+    return stream_note(fit, words);
+  const auto jump = is_unexplained ? find_clock_jump(pair, mirrored, options, fit.before_m) : std::nullopt;
+  const double most_left_m = fit.before_m / (is_unexplained ? 3.0 : 2.0);
+  const auto part = find_part_change(pair, mirrored, options, most_left_m);
+  const auto drift = find_frame_drift(pair);
+  const double jump_m = jump ? jump->after_m : HUGE_VAL, part_m = part ? part->after_m : HUGE_VAL;
+  constexpr double kClearly = 0.7;  // a drift has a frame for each piece
+  if (drift && drift->after_m < kClearly * std::min(jump_m, part_m))
+    return drift_note(*drift, fit.before_m, words);
+  if (jump && jump_m <= part_m) return jump_note(*jump, fit.before_m, words);
+  return part ? part_note(*part, fit.before_m, words) : stream_note(fit, words);
+}
+
 }  // namespace
 
 std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planned, const PointPath* truth,
@@ -102,21 +235,18 @@ std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planne
   const std::vector<std::size_t> mirrored = mirrored_points(plan.names);
   const StreamFitOptions options{.min_start_s = plan.rig.empty() ? kMinStart_s : kMinStartOfBodies_s};
   const StreamFit fit = fit_streams({reference, subject}, mirrored, options);
-  std::optional<ClockJump> jump;
-  std::optional<PartChange> part;
-  if (fit.status == StreamFitStatus::unexplained) {
-    jump = find_clock_jump({reference, subject}, mirrored, options, fit.before_m);
-    part = find_part_change({reference, subject}, mirrored, options, fit.before_m);
-    if (jump && part) (jump->after_m <= part->after_m ? part.reset() : jump.reset());
-  }
   const bool shows_start = fit.status == StreamFitStatus::found && fit.changes.front().has_start &&
                            !fit.changes.front().has_stretch;
   const bool is_applied = shows_start && external.joints->clock_by_motion;
   if (is_applied) external.offset_s = fit.changes.front().start_s;
   const StreamWords words{.names = plan.names, .clock_is_applied = is_applied};
-  note(jump   ? jump_note(*jump, fit.before_m, words)
-       : part ? part_note(*part, fit.before_m, words)
-              : stream_note(fit, words));
+  const auto distances = distances_of({reference, subject}, fit);
+  const std::string points = point_text(distances, fit, plan.names);
+  if (points.empty() || fit.status != StreamFitStatus::unexplained)
+    note(fit_text({reference, subject}, mirrored, options, fit, words));
+  for (std::string& text : copy_texts({reference, subject}, plan.names)) note(std::move(text));
+  note(points);
+  if (fit.status == StreamFitStatus::sound && points.empty()) note(outlier_text(distances));
   if (external.joints->clock_by_motion && !shows_start && fit.status != StreamFitStatus::sound)
     note("keeps its own times, since the motion does not say when it starts");
   if (fit.overlap_s <= 0.0 && fit.status != StreamFitStatus::found)

@@ -81,6 +81,13 @@ const NamedPoint* find_point_of_subject(const NamedPoints& points, const std::ve
   return &*std::ranges::find(points, wanted, of_point);
 }
 
+// Whether the names of the file tell that a point is another joint than it is called: the bone Head begins at
+// the neck.
+bool is_another(const NamedPoints& told, const NamedPoint& point, const std::string& name) {
+  const auto joint = std::ranges::find(told, point.assets, &NamedPoint::assets);
+  return joint != told.end() && joint->name != name;
+}
+
 // The points of a file that have these names: by its mapping; else by its own names, or the joints that these
 // stand for.
 NamedPoints points_called(const ExternalJoints& joints, const MocapHeader& header,
@@ -89,10 +96,13 @@ NamedPoints points_called(const ExternalJoints& joints, const MocapHeader& heade
   const NamedPoints told = joints.mapping.empty() ? proposed_points(header) : NamedPoints{};
   NamedPoints points;
   for (const std::string& name : names) {
-    const NamedPoint* point = find_point(own, name);
+    const auto unless_another = [&](const NamedPoint* point) {
+      return point && joint_from_name(name) && is_another(told, *point, name) ? nullptr : point;
+    };
+    const NamedPoint* point = unless_another(find_point(own, name));
     if (point && joints.mapping.empty()) refuse_doubled(header, point->name, joints.file.string());
     if (!point) point = find_point(told, name);
-    if (!point) point = find_point_of_subject(own, names, name);
+    if (!point) point = unless_another(find_point_of_subject(own, names, name));
     if (point) points.push_back({name, point->assets});
   }
   return points;
@@ -261,6 +271,9 @@ std::vector<ExternalTrack> read_external(const Plan& plan, const PlannedTake& pl
     std::vector<std::string> left_out;
     for (std::size_t i = 0; i < positions.header.assets.size(); ++i)
       if (!used.contains(i)) left_out.push_back(positions.header.assets[i].name);
+    if (joints.mapping.empty())
+      if (std::string text = bones_text(positions.header); !text.empty())
+        positions.taken_as.push_back(std::move(text));
     std::size_t method = 0;
     while (plan.methods[method].spec.name != joints.method) ++method;
     // without a session both files have the same clock

@@ -7,7 +7,7 @@
 
 #include "datasets/mocap/read_mocap.h"
 #include "evaluators/alignment/interpolation.h"
-#include "pipeline/accuracy/methods/over_time.h"
+#include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/take/marker_track.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"

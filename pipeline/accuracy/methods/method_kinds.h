@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pipeline/accuracy/methods/method.h"
-#include "pipeline/accuracy/methods/over_time.h"
 
 namespace trilat {
 

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "datasets/base/known_names.h"
+#include "datasets/base/words.h"
 #include "datasets/rig/skeleton.h"
 
 namespace trilat {

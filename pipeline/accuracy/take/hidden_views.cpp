@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/hidden_views.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "datasets/synthetic/simulated_sensor.h"
 #include "datasets/synthetic/tracker/body_tracker_spec.h"
 #include "evaluators/solvers/descent.h"
+#include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/truth_track.h"
 #include "pipeline/errors/condition_errors.h"
 

@@ -165,7 +165,7 @@ std::vector<std::string> suspicious_names(const MarkerTrack& track) {
        {std::pair{&MissingCounts::held, "repeat the one before to the last digit while others move"},
         std::pair{&MissingCounts::at_origin, "are exactly (0, 0, 0), which is written for what is missing"},
         std::pair{&MissingCounts::filled,
-                  "are one far value again and again, which is written for what is missing"}})
+                  "are one value again and again, which is written for what is missing"}})
     if (const std::string named = counted_by_name(track.positions(), count); !named.empty())
       odd.push_back(fmt::format("{} {}; they are not used as measurements", named, what));
   const MocapAnomalies& counted = track.positions().anomalies;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/open_take.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,9 +6,10 @@
 
 #include "datasets/base/error.h"
 #include "datasets/rig/calibration.h"
-#include "datasets/session/clock/live_clock.h"
+#include "datasets/session/clock/agent_clock.h"
 #include "datasets/session/clock/true_clocks.h"
 #include "datasets/session/session_reader.h"
+#include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/truth_track.h"
 
 namespace trilat {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/accuracy/take/person_choice.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 
 #include "datasets/base/median.h"
 #include "evaluators/bodies/match_persons.h"
+#include "pipeline/accuracy/take/take_checks.h"
 
 namespace trilat {
 namespace {

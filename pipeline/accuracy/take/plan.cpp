@@ -13,7 +13,6 @@
 #include "datasets/session/session_reader.h"
 #include "pipeline/accuracy/external/external_joints.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
-#include "pipeline/accuracy/take/open_take.h"
 #include "pipeline/study/parallel.h"
 
 namespace trilat {

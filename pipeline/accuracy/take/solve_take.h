@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/results/stored_take.h"
-#include "pipeline/accuracy/methods/over_time.h"
+#include "pipeline/accuracy/methods/method.h"
 #include "pipeline/accuracy/take/plan.h"
 #include "pipeline/accuracy/take/take_data.h"
 #include "pipeline/accuracy/take/take_result.h"

@@ -13,8 +13,6 @@
 #include "datasets/base/median.h"
 #include "evaluators/bodies/exchange_repair.h"
 #include "evaluators/bodies/occlusion.h"
-#include "pipeline/accuracy/take/hidden_views.h"
-#include "pipeline/accuracy/take/person_choice.h"
 #include "pipeline/accuracy/take/sensor_track.h"
 #include "pipeline/accuracy/take/take_checks.h"
 #include "pipeline/accuracy/take/take_rays.h"

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
+#include "reports/tables.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include "reports/tables/tables.h"
+#include "datasets/base/document.h"
+#include "reports/embedded_recorded.h"
 
 namespace trilat {
 
@@ -52,5 +56,7 @@ std::vector<std::string> changes_sentences(const ErrorChanges& changes) {
   }
   return sentences;
 }
+
+Table recorded_table() { return read_as<Table>(Json::parse(embedded::recorded_json), {"recorded.json"}); }
 
 }  // namespace trilat

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "datasets/base/known_names.h"
+#include "datasets/base/words.h"
 
 #include <algorithm>
 #include <cctype>

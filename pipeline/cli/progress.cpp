@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/progress.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/cli/terminal/skeleton_preview.h"
+#include "pipeline/cli/skeleton_preview.h"
 
 #include <algorithm>
 #include <optional>
