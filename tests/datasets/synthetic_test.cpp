@@ -165,6 +165,17 @@ TEST(GeneratedPerson, ArmsAndTrunkSwingAsFarAsTheActivitySays) {
   expect_range(range_of(Activity::walking, lean), 2.86, 2.86, 0.02);
 }
 
+// Who crosses the legs swings each by 0.3 rad to and fro, a little more as it goes aside.
+TEST(GeneratedPerson, LegsCrossAsFarOnBothSides) {
+  for (const auto& [hip, knee] :
+       {std::pair{Joint::hip_left, Joint::knee_left}, std::pair{Joint::hip_right, Joint::knee_right}}) {
+    const auto thigh = [&, from = hip, to = knee](const SkeletonPose& pose) {
+      return flexion_rad(pose, from, to);
+    };
+    expect_range(range_of(Activity::leg_crossing, thigh), -17.2, 17.2, 2.0);
+  }
+}
+
 TEST(GeneratedPerson, AFootIsLiftedByAFifthOfItsStep) {
   const Motion motion =
       generated_motion({.stature_m = 1.7, .tempo = 1.0, .amplitude = 1.0}, Activity::walking);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Files of joints that differ from the truth in a few points, at some times, or in what they call things."""
+import json
 import unittest
 
 import numpy as np
@@ -84,6 +85,25 @@ class Odd(Compared):
             with self.subTest(name):
                 self.assertRegex("\n".join(self.said_of(name, change)), words)
         self.assertEqual(self.said_of("sound.csv", lambda at, key: at + 0.04 * np.sin(share * 9)), [])
+
+    def test_a_start_by_motion_is_missed_only_where_it_was_asked_for_and_needed(self):
+        keeps = "keeps its own times, since the motion does not say when it starts"
+        other = {key: at + [2, 0, 1] for key, at in walk(seed=9, person=1.3)[1].items()}
+        library.write_joints(self.folder / "other.csv", self.time_s, other)
+        sound = self.brought("sound.csv", lambda at, key: at + self.noise.normal(0, 0.01, at.shape))
+        self.assertIn(keeps, self.compared(self.folder / "other.csv", more=["--clock-by-motion"]))
+        self.assertNotIn(keeps, self.compared(self.folder / "other.csv"))
+        self.assertNotIn(keeps, self.compared(sound, more=["--clock-by-motion"]))
+        late = self.brought("late.csv", lambda at, key: at, self.time_s + 0.3)
+        self.assertNotIn(keeps, self.compared(late, more=["--clock-by-motion"]))
+
+    def test_a_table_says_below_it_who_answers_seldom_and_why(self):
+        gone = np.arange(FRAMES) % 100 < 40
+        mine = self.brought("mine.csv", lambda at, key: np.where(gone[:, None], np.nan, at + 0.01))
+        self.compared(mine, self.brought("whole.csv", lambda at, key: at + 0.01))
+        notes = "\n".join(note for table in json.loads((self.folder / "results/tables.json").read_text())["tables"] for note in table["notes"])
+        self.assertRegex(notes, r"mine (59|60|61) % \(no_observation (39|40|41) %\)")
+        self.assertNotRegex(notes, r"whole \d+ %")
 
     def test_a_value_of_three_equal_numbers_again_and_again_is_no_position(self):
         gone = self.noise.uniform(size=FRAMES) < 0.1

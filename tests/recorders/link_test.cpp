@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <fstream>
+
 #include <gmock/gmock.h>
 
 #include "datasets/base/philox.h"
@@ -153,6 +155,10 @@ TEST(ByteStream, ASocketOfThisUserLeadsToOneListener) {
   std::filesystem::permissions(path.parent_path(), std::filesystem::perms(0755));
   EXPECT_THAT(message_of([&] { connect_local(path); }), HasSubstr("nobody else can enter"));
   EXPECT_THAT(message_of([&] { StreamListener listener(path); }), HasSubstr("nobody else can enter"));
+  const std::filesystem::path file = path.parent_path() / "file";  // where a folder should be
+  std::ofstream(file) << "x";
+  std::filesystem::permissions(file, std::filesystem::perms(0600));
+  EXPECT_THAT(message_of([&] { connect_local(file / "recorder"); }), HasSubstr("must be a folder"));
 }
 
 TEST(ByteStream, NothingIsListenedOnOrReachedBeyondThisMachine) {

@@ -57,6 +57,38 @@ TEST(GnuplotScript, PointsThatAreNotDrawnWidenNoAxis) {
   EXPECT_EQ(range_of(figure, "x"), x);
 }
 
+TEST(GnuplotScript, AnAxisOfOneValueIsAsWideAsOne) {
+  Figure figure{.id = "f", .title = "t", .caption = "c", .x_label = "x", .y_label = "y"};
+  figure.series.push_back({.name = "s", .points = {{1.0, 2.0}, {3.0, 2.0}}});
+  const auto y = range_of(figure, "y");
+  EXPECT_LE(y.second - y.first, 1.5);
+  EXPECT_LT(y.first, 2.0);
+  EXPECT_GT(y.second, 2.0);
+}
+
+// An interval that reaches to zero has no place on an axis of powers; on others it has.
+TEST(GnuplotScript, IntervalsThatReachBelowZeroAreLeftOutOfAxesOfPowersAlone) {
+  Figure figure{.id = "f", .title = "t", .caption = "c", .x_label = "x", .y_label = "y"};
+  figure.series.push_back(
+      {.name = "s", .points = {{1.0, 2.0, -7.0, 9.0}, {2.0, 3.0, 1.0, 30.0}, {3.0, 4.0, 2.0, 5.0}}});
+  EXPECT_LE(range_of(figure, "y").first, -7.0);
+  figure.log_x = true;  // along the other axis
+  EXPECT_LE(range_of(figure, "y").first, -7.0);
+  figure.log_x = false;
+  figure.log_y = true;
+  EXPECT_GT(range_of(figure, "y").first, 0.0);
+  EXPECT_GE(range_of(figure, "y").second, 30.0);
+}
+
+TEST(FigureCsv, EndsOfIntervalsHaveTheUnitOfTheAxisWhereItHasOne) {
+  Figure figure{.id = "f", .title = "t", .caption = "c", .x_label = "C (mm)", .y_label = "error (cm)"};
+  figure.series.push_back({.name = "s", .points = {{1.0, 2.0, 1.5, 2.5}}});
+  EXPECT_THAT(csv_of(figure),
+              testing::StartsWith("series,C (mm),error (cm),from (cm),to (cm)\r\ns,1,2,1.5,2.5"));
+  figure.y_label = "error (all) of joints";
+  EXPECT_THAT(csv_of(figure), testing::HasSubstr(",from,to\r\n"));
+}
+
 TEST(HistoryFigure, ThereIsNoneOfNightsWithoutErrors) {
   EXPECT_FALSE(history_figure({}).has_value());
   EXPECT_FALSE(history_figure({{.time = "2026-01-01T03:00:00Z", .program = "0.5.0"}}).has_value());

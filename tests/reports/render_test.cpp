@@ -109,6 +109,10 @@ TEST(Latex, ValuesHaveHalfTheirIntervalAndWhatIsPrintedARowOfItsOwn) {
   const std::string text = *latex_of(table);
   EXPECT_THAT(text,
               HasSubstr("a & \\textbf{9.6}\\,\\ensuremath{\\pm}\\,0.4 \\\\\n\\quad paper & 8.7 \\\\\n"));
+  // what stands beside one of two numbers has the row's name, too
+  table.columns.push_back({"RMSE (cm)", "rmse_cm", false});
+  for (auto& row : table.rows) row.push_back(TableValue::of(1.0, 1));
+  EXPECT_THAT(*latex_of(table), HasSubstr("\\quad paper & 8.7 & "));
   EXPECT_THAT(text, HasSubstr("b & 98.0 (90.0 to 99.5) \\\\\n"));
 }
 
@@ -199,6 +203,15 @@ TEST(Terminal, OfALongTableItShowsTheFirstRowsAndSaysWhatMarksMean) {
             "müde     123.46\n"
             "*: the least error; ≈: cannot be distinguished from it on the samples that both answer\n"
             "the report has 1 more row\n");
+}
+
+TEST(Html, AVerdictHasTheColourOfItsMark) {
+  using enum TableValue::Mark;
+  for (const auto& [mark, colour] :
+       {std::pair{good, "v holds"}, std::pair{bad, "v fails"}, std::pair{contradiction, "v fails against"},
+        std::pair{unsure, "v unsure"}})
+    EXPECT_THAT(verdict_badge("a < b", mark),
+                HasSubstr(std::string("class=\"") + colour + "\">a &lt; b</span>"));
 }
 
 TEST(Html, SentencesMarkCodeAndBoldAndCloseWhatIsOpen) {
