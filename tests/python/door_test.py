@@ -184,6 +184,7 @@ class Door(Opened):
                                (with_(hand_state=np.full((5, 2), 256)), "hand_state has 256; whole numbers from 0 to 255"),
                                (with_(device_ticks=np.arange(5) / 30), r"rise by 0.03333, as seconds do; write np.rint\(seconds \* 1e9 / tick_ns\)"),
                                (with_(device_ticks=(1.7e9 + np.arange(5) / 30) * 1e7), "54 years from 0, as since 1970; take the first of all sensors"),
+                               (with_(device_ticks=(6.4e8 + np.arange(5) / 30) * 1e7), "20 years from 0"),
                                (with_(depth=[(0, 0, 0, np.zeros((10, 10)))]), "depth frame 0 has the shape")):
             with self.assertRaisesRegex(trilat.InputError, words):
                 trilat.write_session(self.folder / "refused.h5", sensors)
