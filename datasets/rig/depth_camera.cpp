@@ -2,7 +2,6 @@
 #include "datasets/rig/depth_camera.h"
 
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
 
@@ -88,20 +87,6 @@ std::optional<Eigen::Vector2d> ray_through(const DepthIntrinsics& in, const Eige
 Eigen::Vector3d printed_linear_angle_point(const Eigen::Vector2d& pixel_px, double depth_m) {
   return {depth_m * std::tan(70.0 * kRadPerDegree * (pixel_px.x() - 256.0) / 512.0),
           depth_m * std::tan(60.0 * kRadPerDegree * (pixel_px.y() - 212.0) / 424.0), depth_m};
-}
-
-DepthRays depth_rays(const DepthIntrinsics& intrinsics) {
-  const std::size_t pixels =
-      static_cast<std::size_t>(intrinsics.width_px) * static_cast<std::size_t>(intrinsics.height_px);
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  DepthRays rays{intrinsics, std::vector<float>(pixels, kNone), std::vector<float>(pixels, kNone)};
-  for (int row = 0; row < intrinsics.height_px; ++row)
-    for (int column = 0; column < intrinsics.width_px; ++column)
-      if (const auto ray = ray_through(intrinsics, Eigen::Vector2d(column, row))) {
-        rays.x[rays.index(column, row)] = static_cast<float>(ray->x());
-        rays.y[rays.index(column, row)] = static_cast<float>(ray->y());
-      }
-  return rays;
 }
 
 }  // namespace trilat

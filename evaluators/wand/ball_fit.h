@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "datasets/base/units.h"
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 
 namespace trilat {
 

@@ -15,7 +15,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "datasets/base/error.h"
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "evaluators/wand/ball_fit.h"
 
 namespace trilat {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "evaluators/wand/wand_sighting.h"
 
 namespace trilat {

@@ -8,7 +8,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "datasets/session/session_reader.h"
 #include "pipeline/calibration_study/place_samples.h"
 #include "pipeline/study/parallel.h"

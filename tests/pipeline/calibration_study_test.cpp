@@ -13,7 +13,7 @@
 #include "datasets/base/units.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/table.h"
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "evaluators/wand/find_wand.h"
 #include "pipeline/calibration_study/place_samples.h"
 #include "recorders/open_source.h"

@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "datasets/base/philox.h"
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 
 namespace trilat {
 

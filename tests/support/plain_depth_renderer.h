@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "datasets/synthetic/depth/depth_renderer.h"
 
 namespace trilat {

@@ -7,6 +7,7 @@
 
 #include "datasets/base/philox.h"
 #include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "datasets/rig/rigid_transform.h"
 #include "datasets/synthetic/depth/room_scene.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "datasets/rig/depth_camera.h"
+#include "datasets/rig/depth_rays.h"
 #include "datasets/rig/rigid_transform.h"
 #include "datasets/synthetic/depth/room_scene.h"
 
