@@ -37,7 +37,7 @@ class LiveSource : public FrameSource {
   std::optional<SourceEvent> next() override;
   void stop() override;
   bool live() const override { return options_.speed > 0.0; }
-  // Starts, if next() has not yet, and tells what the host clock showed then.
+  // Starts the source, unless next() has done so. The host clock's time at that start, in nanoseconds.
   std::int64_t start();
 
  private:

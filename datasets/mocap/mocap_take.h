@@ -81,14 +81,14 @@ struct MocapAnomalies {
 // How many positions of one asset are no measurement.
 struct MissingCounts {
   std::int64_t at_origin = 0;  // exactly (0, 0, 0)
-  std::int64_t filled = 0;     // a value far from all others that repeats exactly, such as 9999
+  std::int64_t filled = 0;     // one value that repeats: far from all others, or three equal numbers
   std::int64_t held = 0;       // the last one again, to the last bit, while others move
 
   std::int64_t sum() const { return at_origin + filled + held; }
 };
 
 // A motion capture. World is right-handed, y up, metres. A position that is missing is NaN in all its
-// components; in a take as it is written it is infinite where the file has one value again and again.
+// components; in a take as it is written it is infinite where the file has one far value again and again.
 struct MocapTake {
   MocapHeader header;
   std::vector<std::int64_t> frame;  // number of each frame, as the file has it

@@ -230,7 +230,7 @@ std::vector<std::string> assets_of(const MocapHeader& header, Joint joint, bool 
   }
   const bool right = name_of(joint).ends_with("_right");
   for (const MarkerRule& way : marker_rules()) {
-    if (way.joint != (right ? mirror_of(joint) : joint) || way.bone < all_are_bones) continue;
+    if (way.joint != (right ? mirror_of(joint) : joint) || (all_are_bones && !way.bone)) continue;
     std::vector<std::string> assets;
     for (const std::string& name : way.names)
       if (const auto key = key_called(header, of_side(name, right), way.bone, all_are_bones))
@@ -256,11 +256,12 @@ JointMapping propose_mapping(const MocapHeader& header) {
 std::string bones_text(const MocapHeader& header) {
   if (!has_names_of_bones(header)) return {};
   for (const JointMapping::Entry& entry : propose_mapping(header).joints)
-    if (entry.joint == Joint::shoulder_left)
+    if (entry.joint == Joint::shoulder_left) {
+      const std::string& key = entry.assets.front();
       return fmt::format(
-          "calls its points as bones; each is taken as the joint where it begins, {} as "
-          "shoulder_left",
-          entry.assets.front());
+          "calls its points as bones; each is taken as the joint where it begins, {} as shoulder_left",
+          key.substr(key.find(':') + 1));
+    }
   return {};
 }
 

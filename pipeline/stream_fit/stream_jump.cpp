@@ -175,7 +175,7 @@ std::optional<PartChange> find_part_change(const StreamPair& pair, const std::ve
 }
 
 std::optional<FrameDrift> find_frame_drift(const StreamPair& pair) {
-  constexpr double kExplainedDrift = 0.7, kMinGain_m = 0.035, kMostLeft_m = 0.1;
+  constexpr double kExplainedDrift = 0.7, kMinGain_m = 0.035, kMaxLeft_m = 0.1;
   const TimeBlocks blocks = blocks_of(pair);
   const std::vector<Piece> pieces = pieces_of(pair, blocks);
   if (pieces.size() < kMinJudgedBlocks) return std::nullopt;
@@ -188,7 +188,7 @@ std::optional<FrameDrift> find_frame_drift(const StreamPair& pair) {
     own_m += left_m(piece, 1, fit_frame(piece.sums[0], FrameChange::turned, false)) /
              static_cast<double>(pieces.size());
   }
-  if (!(own_m < std::min({kExplainedDrift * one_m, one_m - kMinGain_m, kMostLeft_m}))) return std::nullopt;
+  if (!(own_m < std::min({kExplainedDrift * one_m, one_m - kMinGain_m, kMaxLeft_m}))) return std::nullopt;
   const FrameFit first = fit_frame(pieces.front().sums[0], FrameChange::turned, false),
                  last = fit_frame(pieces.back().sums[0], FrameChange::turned, false);
   const FrameSums& end = pieces.back().sums[0];

@@ -159,7 +159,7 @@ std::string point_text(const std::vector<std::vector<Distance>>& distances, cons
 
 // Few positions that make much of the mean error.
 std::string outlier_text(const std::vector<std::vector<Distance>>& distances) {
-  constexpr double kFar_m = 1.0, kTimes = 10.0, kMostShare = 0.1, kMuch = 0.2;
+  constexpr double kFar_m = 1.0, kTimes = 10.0, kMaxShare = 0.1, kMinPart = 0.2;
   constexpr std::size_t kMinPositions = 100;
   std::vector<Distance> all;
   for (const std::vector<Distance>& of_point : distances)
@@ -175,7 +175,7 @@ std::string outlier_text(const std::vector<std::vector<Distance>>& distances) {
     far += 1.0;
   }
   const auto count = static_cast<double>(all.size());
-  if (far == 0.0 || far > kMostShare * count || far_sum_m < kMuch * sum_m) return {};
+  if (far == 0.0 || far > kMaxShare * count || far_sum_m < kMinPart * sum_m) return {};
   return fmt::format(
       "has {:.1f} % of its positions more than {:.0f} cm from the truth, first at {:.2f} s, and half of all "
       "less than {:.1f} cm: these few make {:.0f} % of the mean error",

@@ -14,7 +14,7 @@ namespace trilat {
 
 using RigBodies = std::vector<SensorBodies>;  // by rig sensor
 
-// Which bodies of each sensor are one person.
+// The bodies that are one person: their tracking ids.
 struct PersonChoice {
   std::vector<std::set<std::uint64_t>> identities;  // by rig sensor
   bool sees_several = false;                        // any sensor at one time
