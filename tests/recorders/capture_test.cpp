@@ -307,19 +307,37 @@ TEST(Capture, TimesThatNoClockShowsAreLeftOutAndFramesOfSuchCounted) {
   EXPECT_EQ(session.clock_exchanges(0).size(), 9u);
 }
 
+// Seconds on the steady clock at which a source was made, delivered the first and the last of its last
+// frames, and was stopped.
+struct SourceTimes {
+  std::atomic<double> made{0.0}, last_frames{0.0}, silent{0.0}, stopped{0.0};
+  static double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
+};
+
 // Live, and silent from its 20th frame on.
 class DyingSource : public PatternSource {
  public:
-  DyingSource() : PatternSource(1, 1'000'000, true) {}
+  explicit DyingSource(SourceTimes& times) : PatternSource(1, 1'000'000, true), times_(times) {
+    times_.made = SourceTimes::now();
+  }
   std::optional<SourceEvent> next() override {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    if (events_++ < 60) return PatternSource::next();
+    if (events_ == kEvents - 3) times_.last_frames = SourceTimes::now();
+    if (events_++ < kEvents) return PatternSource::next();
+    times_.silent = SourceTimes::now();
     while (!silent_.load()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return std::nullopt;
   }
-  void stop() override { silent_ = true; }
+  void stop() override {
+    times_.stopped = SourceTimes::now();
+    silent_ = true;
+  }
 
  private:
+  static constexpr std::int64_t kEvents = 60;
+  SourceTimes& times_;
   std::int64_t events_ = 0;
   std::atomic<bool> silent_{false};
 };
@@ -329,17 +347,18 @@ TEST(Capture, ASensorThatIsSilentToTheEndHasLostWhatItWouldHaveDelivered) {
   CaptureOptions options;
   options.spool.silence_s = 0.2;
   options.look_period_s = 0.02;
-  options.duration_s = 1.5;
+  options.duration_s = 2.5;
   std::vector<std::string> notices;
   options.on_notice = [&](const std::string& text) { notices.push_back(text); };
-  const CaptureSummary summary =
-      capture(sources_of(std::make_unique<DyingSource>(), std::make_unique<PatternSource>(1, 10, true, "m")),
-              folder / "session.h5", options);
+  SourceTimes times;
+  const CaptureSummary summary = capture(
+      sources_of(std::make_unique<DyingSource>(times), std::make_unique<PatternSource>(1, 10, true, "m")),
+      folder / "session.h5", options);
   EXPECT_EQ(summary.end, CaptureEnd::duration_over);
-  // 30 frames a second of bodies and of depth
-  EXPECT_GE(summary.last.sensors[0].lost_at_source, 2 * 20);
-  EXPECT_LE(summary.last.sensors[0].lost_at_source, 2 * 45 + 2 * 30 * 5);  // a busy machine ends late
-  EXPECT_EQ(summary.last.sensors[1].lost_at_source, 0);                    // its source ended
+  // 30 frames a second of bodies and of depth, each rounded down
+  EXPECT_GE(summary.last.sensors[0].lost_at_source, 2 * 30 * (times.made + 2.5 - times.silent) - 2);
+  EXPECT_LE(summary.last.sensors[0].lost_at_source, 2 * 30 * (times.stopped - times.last_frames));
+  EXPECT_EQ(summary.last.sensors[1].lost_at_source, 0);  // its source ended
   EXPECT_EQ(SessionReader(folder / "session.h5").drop_counts(0).back().at_source,
             summary.last.sensors[0].lost_at_source);
   EXPECT_THAT(notices, Contains("k0: no frame of depth for 0.2 s"));
