@@ -48,6 +48,8 @@ bool can_draw(const Figure& figure, const FigurePoint& p) {
          (!figure.log_y || p.y > 0.0);
 }
 
+bool can_draw(const Figure& figure, const FigureLine& line) { return !figure.log_y || line.y > 0.0; }
+
 bool has_interval(const Figure& figure, const FigurePoint& p) {
   return can_draw(figure, p) && std::isfinite(p.low) && std::isfinite(p.high) &&
          !((figure.y_names.empty() ? figure.log_y : figure.log_x) && p.low <= 0.0);
@@ -117,7 +119,7 @@ Range y_range(const Figure& figure, std::size_t panel) {
         if (!figure.log_y || end > 0.0) range.add(end);
     }
   for (const FigureLine& line : figure.lines)
-    if (!figure.log_y || line.y > 0.0) range.add(line.y);
+    if (can_draw(figure, line)) range.add(line.y);
   range.pad(figure.log_y, 0.04);
   return range;
 }
@@ -211,7 +213,9 @@ class Script {
     for (const FigureBand& band : figure.bands)
       if (bands.insert(band.name).second) band_names_.push_back(band.name);
     for (const Entry& e : legend_) legend_names_.push_back(group_of(*e.series.front()));
-    for (const FigureLine& line : figure.lines) legend_names_.push_back(line.label);
+    for (const FigureLine& line : figure.lines)
+      if (can_draw(figure, line)) lines_.push_back(line);
+    for (const FigureLine& line : lines_) legend_names_.push_back(line.label);
     legend_names_.insert(legend_names_.end(), band_names_.begin(), band_names_.end());
   }
 
@@ -273,9 +277,8 @@ class Script {
     plots_.clear();
     text_ += axes(panel);
     for (const Entry& e : entries_of(figure_, panel)) add_points(e);
-    for (const FigureLine& line : figure_.lines)
-      if (!figure_.log_y || line.y > 0.0)
-        plots_.push_back(fmt::format("{} with lines {} notitle", script_number(line.y), kLineLook));
+    for (const FigureLine& line : lines_)
+      plots_.push_back(fmt::format("{} with lines {} notitle", script_number(line.y), kLineLook));
     text_ += "unset key\n";
     if (panel == 0 && legend_rows() > 0) add_legend();
     if (plots_.empty()) plots_.push_back("NaN notitle");
@@ -320,7 +323,7 @@ class Script {
       plots_.push_back("keyentry with " + look + " title " + gnuplot_text(name));
     };
     for (const Entry& e : legend_) add(drawn_as(e, kLargeDot), group_of(*e.series.front()));
-    for (const FigureLine& line : figure_.lines) add(std::string("lines ") + kLineLook, line.label);
+    for (const FigureLine& line : lines_) add(std::string("lines ") + kLineLook, line.label);
     for (const std::string& name : band_names_)
       add(fmt::format("boxes fillstyle solid noborder lc rgb '{}'", kShade), name);
   }
@@ -398,6 +401,7 @@ class Script {
   const Figure& figure_;
   FigureSize size_;
   std::vector<Entry> legend_;
+  std::vector<FigureLine> lines_;
   std::vector<std::string> band_names_, legend_names_;
   Range x_;
   std::string text_;
