@@ -160,7 +160,7 @@ TEST(AccuracyTables, SilentMethodsAreNamedWithWhatMostOftenEndsThem) {
   };
   add("linear", "converged", 0.79);
   add("linear", "too_few_ranges", 0.06);
-  add("linear", "degenerate_geometry", 0.15);
+  add("linear", "rank_deficient", 0.15);
   Table table = accuracy_tables(s).at(0);
   EXPECT_THAT(all_text(table.notes), Not(HasSubstr("rts")));  // of which no status is known
   add("rts", "too_few_ranges", 1.0);
@@ -168,7 +168,7 @@ TEST(AccuracyTables, SilentMethodsAreNamedWithWhatMostOftenEndsThem) {
   EXPECT_THAT(
       table.notes,
       Contains("Answered less than 80 %, so that errors by themselves flatter these methods: linear 79 % "
-               "(degenerate_geometry 15 %), rts 0 % (too_few_ranges 100 %). Compare them by the "
+               "(rank_deficient 15 %), rts 0 % (too_few_ranges 100 %). Compare them by the "
                "differences, which are of samples that both answer."));
   const std::string warnings = all_text(accuracy_warnings(s));
   EXPECT_THAT(warnings, HasSubstr("`linear` answers only 79 % in walking: its error is of these alone."));
