@@ -5,6 +5,7 @@
 
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
+#include "tests/pipeline/table_rows.h"
 
 namespace trilat {
 namespace {
@@ -14,27 +15,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-
-// A cell with its interval, and + or - for good and bad, * and ~ for the best and its like.
-std::string text_of(const TableValue& value) {
-  std::string text = value.text;
-  if (value.number)
-    text = std::isnan(*value.number) ? "-" : fmt::format("{:.{}f}", *value.number, value.decimals);
-  if (!std::isnan(value.low))
-    text += fmt::format(" ({:.{}f} to {:.{}f})", value.low, value.decimals, value.high, value.decimals);
-  constexpr std::array kSigns{"", "*", "~", "+", "-"};
-  return text + kSigns.at(static_cast<std::size_t>(value.mark));
-}
-
-std::vector<std::string> rows_of(const Table& table) {
-  std::vector<std::string> rows;
-  for (const auto& row : table.rows) {
-    std::string text;
-    for (const TableValue& value : row) text += (text.empty() ? "" : " | ") + text_of(value);
-    rows.push_back(text);
-  }
-  return rows;
-}
 
 std::string all_text(const std::vector<std::string>& notes) {
   std::string text;

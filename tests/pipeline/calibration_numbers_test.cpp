@@ -6,9 +6,14 @@
 #include <gmock/gmock.h>
 
 #include "pipeline/calibration_study/place_samples.h"
+#include "tests/pipeline/table_rows.h"
 
 namespace trilat {
 namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 // Columns without a depth count for nothing.
 TEST(ColumnMeans, AreOverTheColumnsThatHadADepth) {
@@ -67,8 +72,8 @@ TEST(ErrorStatistics, AnIntervalIsBetweenClusters) {
 }
 
 // Two sensors and four places: two within the paper's recommended range, one beyond, one too near, where one
-// sensor has no answer and the other one takes another thing for the ball.
-TEST(CalibrationNumbers, OfABallByPencil) {
+// sensor has no answer and the other one takes another thing for the ball. And a wall of 2 m.
+CalibrationRecordings ball_and_wall() {
   WandRecording wand;
   wand.name = "bench";
   wand.ball_radius_m = 0.1;
@@ -87,7 +92,11 @@ TEST(CalibrationNumbers, OfABallByPencil) {
   WallRow wall{"wall", "k1", 2.0, 2.01, 0.05, 7, 0.001, std::vector<double>(512, 0.02), {}};
   wall.residual_m[200] = 0.05;
   wall.printed_error_m = wall.residual_m;
-  const Numbers numbers = calibration_numbers({{wand}, {wall}});
+  return {{wand}, {wall}};
+}
+
+TEST(CalibrationNumbers, OfABallByPencil) {
+  const Numbers numbers = calibration_numbers(ball_and_wall());
   const auto number = [&](const std::string& group, const char* measure, const char* statistic) {
     const Number* found = numbers.find(
         {.condition = "bench", .group = group, .method = "ours", .measure = measure, .statistic = statistic});
@@ -143,6 +152,135 @@ TEST(CalibrationNumbers, OfABallByPencil) {
   EXPECT_EQ(of_wall("residual", "max"), 0.05);
   EXPECT_NEAR(of_wall("residual", "middle"), (200 * 0.02 + 0.05) / 201, 1e-12);
   EXPECT_NEAR(of_wall("sideways", "edge"), 0.02, 1e-12);
+}
+
+CalibrationSummary summary_of(const CalibrationRecordings& recordings) {
+  CalibrationSummary summary;
+  summary.study = "bench";
+  summary.campaign = "lab";
+  summary.numbers = calibration_numbers(recordings);
+  return summary;
+}
+
+std::vector<std::string> rows_with(const Table& table, const std::string& text) {
+  std::vector<std::string> rows = rows_of(table);
+  std::erase_if(rows, [&](const std::string& row) { return row.find(text) == std::string::npos; });
+  return rows;
+}
+
+TEST(CalibrationTables, PutThePaperBesideEveryWayToFindTheBall) {
+  const CalibrationRecordings recordings = ball_and_wall();
+  CalibrationSummary summary = summary_of(recordings);
+  summary.failed = {"wall2: is no session"};
+  StoredTables shown = calibration_tables(summary, recordings);
+  EXPECT_EQ(shown.title, "bench on lab");
+  EXPECT_EQ(shown.about, "Calibration by 1 recording of a ball and 1 wall, recorded.");
+  EXPECT_THAT(shown.warnings, ElementsAre("Left out: wall2: is no session"));
+  ASSERT_EQ(shown.tables.size(), 4u);
+  const Table& wand = shown.tables[0];
+  EXPECT_EQ(wand.rows.size(), 1 + wand_method_names().size());
+  EXPECT_EQ(wand.printed, "calibration");
+  EXPECT_THAT(
+      rows_with(wand, "measured"),
+      ElementsAre(
+          "the paper, measured | - | laser meter | 50 | - | 0.73 | 0.85 | - | - | 100 | - | - | - | - | - | "
+          "20.0 | not stated"));
+  // 1 and 3 cm by one sensor, 2 and 4 by the other; t of one degree of freedom, and no length is below 0
+  EXPECT_THAT(
+      rows_with(wand, "ours"),
+      ElementsAre("ours | bench | stated distances | 4 | 4 | 2.50 (0.00 to 8.85) | 1.29 | 3.50 (0.00 to "
+                  "9.85) | 1.29 | 8 | 7 | 10.14 | 4.00 | 36.80 | 1 | 50.0 | found 87.5 %, nothing 12.5 %"));
+  EXPECT_EQ(wand.columns[15].name, "answered below 0.5 m (%)");
+  EXPECT_EQ(shown.tables[1].rows.size(), kMainWandMethods.size() * place_bins().size());
+  EXPECT_THAT(rows_with(shown.tables[1], "ours | bench | distance from"),
+              ElementsAre("ours | bench | distance from 3.75 m | 0 | 0 | - | -"));
+  EXPECT_THAT(rows_with(shown.tables[1], "ours | bench | distance below"),
+              ElementsAre("ours | bench | distance below 0.5 m | 2 | 1 | 50.00 | 50.00"));
+  EXPECT_THAT(
+      rows_of(shown.tables[2]),
+      ElementsAre(
+          "the paper | - | 1000 | 2.000 | - | - | - | - | - | - | - | - | - | - | columns 0 to 150 and 350 "
+          "to "
+          "520: \"much higher\" than the middle",
+          "wall | k1 | 7 | 2.010 | 10.00 | 2.86 | 1.00 | 20.00 | 20.15 | 20.00 | 0.99 | 20.00 | 20.15 "
+          "| 50.00 | "));
+  EXPECT_THAT(rows_of(shown.tables[3]), ElementsAre("refined | k1 | 1.00 | 3.00 | 1.15 | 2.29 | ",
+                                                    "refined | k2 | 3.00 | 3.00 | 1.15 | 2.29 | "));
+  EXPECT_EQ(shown.tables[1].shown, Table::Placement::first);
+  EXPECT_EQ(shown.tables[2].shown, Table::Placement::detail);
+  EXPECT_EQ(
+      shown.errata.at("E17"),
+      "error of the distance inside the recommended range, bench: an unknown distance (no answer), 0 of 0 "
+      "answered (corrected: an unknown distance (no answer), 0 of 0 answered)");
+  EXPECT_THAT(
+      shown.sentences,
+      Contains("bench, recorded (stated distances), error of the distance inside the recommended range: ours "
+               "2.50 cm (95 % interval 0.00 to 8.85 cm), 4 of 4 answered; the paper's way as printed an "
+               "unknown distance (no answer), 0 of 0 answered."));
+  EXPECT_THAT(shown.sentences, Contains(HasSubstr("here the depth lies 0.99 to 0.99 times as far")));
+  EXPECT_THAT(shown.sentences, testing::Not(Contains(HasSubstr("Every simulated sensor"))));
+  summary.simulated = true;
+  EXPECT_THAT(calibration_tables(summary, recordings).sentences,
+              Contains(HasSubstr("Every simulated sensor")));
+  EXPECT_EQ(calibration_tables(summary, recordings).about,
+            "Calibration by 1 recording of a ball and 1 wall, **simulated**.");
+}
+
+TEST(CalibrationTables, APartThatWasNotRunGivesNone) {
+  CalibrationRecordings recordings = ball_and_wall();
+  recordings.wands[0].poses.clear();
+  recordings.walls.push_back(recordings.walls[0]);
+  recordings.walls[1].recording = "other";
+  StoredTables shown = calibration_tables(summary_of(recordings), recordings);
+  EXPECT_EQ(shown.tables.size(), 3u);
+  EXPECT_FALSE(shown.errata.contains("E4"));
+  EXPECT_EQ(shown.about, "Calibration by 1 recording of a ball and 2 walls, recorded.");
+  recordings.wands.clear();
+  shown = calibration_tables(summary_of(recordings), recordings);
+  EXPECT_EQ(shown.tables.size(), 1u);
+  EXPECT_TRUE(shown.errata.empty());
+  EXPECT_EQ(shown.about, "Calibration by 0 recordings of a ball and 2 walls, recorded.");
+  EXPECT_TRUE(calibration_tables({}, {}).tables.empty());
+  recordings = ball_and_wall();
+  recordings.walls.clear();
+  EXPECT_EQ(calibration_tables(summary_of(recordings), recordings).tables.size(), 3u);
+  EXPECT_TRUE(calibration_tables(summary_of(recordings), recordings).errata.contains("E19"));
+}
+
+TEST(CalibrationFigures, AreMediansByDistanceAndAngleAndTheColumnsOfAWall) {
+  CalibrationRecordings recordings = ball_and_wall();
+  recordings.walls.push_back(recordings.walls[0]);
+  recordings.walls[1].recording = "far";
+  recordings.walls[1].distance_m = 3.0;
+  const std::vector<Figure> figures = calibration_figures(false, recordings);
+  ASSERT_EQ(figures.size(), 2u);
+  const Figure& wand = figures[0];
+  EXPECT_TRUE(wand.is_first);
+  EXPECT_THAT(wand.panels, ElementsAre("ours"));
+  ASSERT_EQ(wand.series.size(), 2u);  // 0.1 rad are 5.7 degrees, 0.2 are 11.5
+  EXPECT_EQ(wand.series[0].name, "0 to 9°");
+  ASSERT_EQ(wand.series[0].points.size(), 2u);  // at 0.4 m one sensor answers, by 50 cm
+  EXPECT_EQ(wand.series[0].points[0].x, 0.375);
+  EXPECT_NEAR(wand.series[0].points[0].y, 50.0, 1e-9);
+  EXPECT_EQ(wand.series[0].points[1].x, 1.125);
+  EXPECT_NEAR(wand.series[0].points[1].y, 1.5, 1e-9);
+  EXPECT_EQ(wand.series[1].name, "9 to 18°");
+  ASSERT_EQ(wand.series[1].points.size(), 2u);
+  EXPECT_NEAR(wand.series[1].points[1].y, 5.5, 1e-9);
+  EXPECT_EQ(wand.bands[0].to, 3.0);
+  EXPECT_EQ(wand.lines[0].y, 0.73);
+  const Figure& wall = figures[1];
+  ASSERT_EQ(wall.series.size(), 2u);  // of the wall nearest to 2 m
+  EXPECT_EQ(wall.series[0].name, "k1: depth from the plane");
+  EXPECT_EQ(wall.series[1].group, "sideways by eq. 4 as printed (E2)");
+  EXPECT_EQ(wall.series[0].points.size(), 512u);
+  EXPECT_EQ(wall.series[0].points[200].x, 200.0);
+  EXPECT_NEAR(wall.series[0].points[200].y, 50.0, 1e-9);
+  ASSERT_EQ(wall.bands.size(), 2u);
+  EXPECT_EQ(wall.bands[1].from, 350.0);
+  EXPECT_EQ(wall.bands[1].to, 511.0);  // the image ends there
+  EXPECT_THAT(wall.caption, HasSubstr("over 7 frames, one line a sensor (wall, 2.0 m)"));
+  EXPECT_TRUE(calibration_figures(false, {}).empty());
 }
 
 }  // namespace
