@@ -11,11 +11,11 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/words.h"
 #include "datasets/results/paper_evidence.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/simulation_assumptions.h"
 #include "datasets/results/summary.h"
-#include "reports/claims.h"
 #include "reports/figures/figures.h"
 #include "reports/provenance.h"
 #include "reports/render/render.h"
@@ -323,7 +323,7 @@ Headline headline_of(ReportContent& content, const std::optional<PaperFindings>&
 
 std::string warnings_text(const Headline& headline) {
   const std::size_t count = headline.warnings.size();
-  return fmt::format("{} warning{}{}", count, count == 1 ? "" : "s", count == 1 ? "" : ", the first");
+  return counted(count, "warning") + (count == 1 ? "" : ", the first");
 }
 
 std::string headline_text(const Headline& headline) {

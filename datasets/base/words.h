@@ -22,6 +22,9 @@ std::string word_of(Enum value) {
   return words<Enum>.at(static_cast<std::size_t>(value));
 }
 
+// "1 take", "3 takes".
+std::string counted(std::size_t count, std::string_view noun);
+
 // "a, b, c".
 std::string join_names(const std::vector<std::string>& names);
 

@@ -394,13 +394,13 @@ std::vector<Finding> verify_session(const SessionReader& session, const VerifyOp
          "was not closed by its recorder; what was flushed is readable, and `trilat recover` makes it whole",
          {}});
   const std::size_t sensors = session.header().sensors.size();
-  std::uint64_t total = 1, done = 0;
+  std::uint64_t total = 0, done = 0;
   for (std::size_t s = 0; s < sensors; ++s)
     total += session.counts(s).body_frames +
              (options.read_depth ? kDepthWeight * session.counts(s).depth_frames : 0);
   const auto advance = [&](std::uint64_t amount) {
     done += amount;
-    if (progress) progress(static_cast<double>(done) / static_cast<double>(total));
+    if (progress && total > 0) progress(static_cast<double>(done) / static_cast<double>(total));
   };
   std::vector<double> backward_feet;
   for (std::size_t s = 0; s < sensors; ++s)

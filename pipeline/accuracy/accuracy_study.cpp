@@ -24,7 +24,7 @@
 #include "pipeline/accuracy/wand_poses.h"
 #include "pipeline/claims/error_measures.h"
 #include "pipeline/claims/paper_claims.h"
-#include "pipeline/errors/numbers.h"
+#include "pipeline/errors/condition_errors.h"
 #include "pipeline/study/parallel.h"
 #include "pipeline/study/results_run.h"
 #include "pipeline/study/study.h"

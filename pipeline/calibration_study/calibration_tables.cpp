@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "pipeline/calibration_study/calibration_numbers.h"
 #include "pipeline/calibration_study/place_samples.h"
 
@@ -268,9 +269,9 @@ StoredTables calibration_tables(const CalibrationSummary& s, const CalibrationRe
   StoredTables shown;
   shown.title = s.study == s.campaign ? s.study : s.study + " on " + s.campaign;
   shown.asked = "How exactly is the wand found, and how flat is a flat wall?";
-  shown.about = fmt::format("Calibration by {} recording{} of a ball and {} wall{}, {}.", made.wands.size(),
-                            made.wands.size() == 1 ? "" : "s", made.walls.size(),
-                            made.walls.size() == 1 ? "" : "s", s.simulated ? "**simulated**" : "recorded");
+  shown.about =
+      fmt::format("Calibration by {} of a ball and {}, {}.", counted(made.wands.size(), "recording"),
+                  counted(made.walls.size(), "wall"), s.simulated ? "**simulated**" : "recorded");
   shown.sentences = sentences_of(s, made);
   for (const std::string& text : s.failed) shown.warnings.push_back("Left out: " + text);
   for (const WandRecording& recording : made.wands)

@@ -11,8 +11,8 @@
 #include "datasets/base/version.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/verbs.h"
-#include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
+#include "pipeline/gate/found_results.h"
 #include "pipeline/gate/gate_report.h"
 
 namespace trilat {

@@ -13,6 +13,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/json.h"
+#include "datasets/base/words.h"
 #include "datasets/session/clock/session_clock.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_verify.h"
@@ -250,8 +251,7 @@ int verify(const VerifyArguments& arguments) {
           !is_error && others > 1 ? fmt::format("; {} more of the kind", others - 1) : "",
           reported.insert(f.affects).second && !f.affects.empty() ? " (endangers " + f.affects + ")" : "");
     }
-    fmt::print("{}: {}{}\n", arguments.session.string(),
-               errors == 0 ? "sound" : fmt::format("{} error{}", errors, errors == 1 ? "" : "s"),
+    fmt::print("{}: {}{}\n", arguments.session.string(), errors == 0 ? "sound" : counted(errors, "error"),
                has_no_bodies(session) ? ", but no sensor sees anybody: no frame holds a body" : "");
   }
   return errors == 0 ? kDone : kItemsFailed;

@@ -11,6 +11,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/words.h"
 #include "datasets/results/results_file.h"
 #include "datasets/results/table.h"
 #include "pipeline/accuracy/accuracy_study.h"
@@ -19,7 +20,7 @@
 #include "pipeline/cli/embedded_campaigns.h"
 #include "pipeline/cli/embedded_studies.h"
 #include "pipeline/clocks/clocks_study.h"
-#include "pipeline/sweep/sweep_study.h"
+#include "pipeline/sweep/sweep_spec.h"
 #include "reports/render/render.h"
 
 namespace trilat {
@@ -69,10 +70,10 @@ OpenedStudy open_sweep(const RunArguments& arguments, const Json& study) {
                {"trials", cells * spec.trials},
                {"skipped", spec.skipped}},
               fmt::format(
-                  "study {} (simulated): {} rigs, {} thresholds, {} error ranges and {} other choices = {} "
-                  "cells x {} trials = {} trials; {} combinations are skipped",
-                  spec.name, spec.rigs.size(), spec.thresholds.size(), spec.ranges.size(), choices, cells,
-                  spec.trials, cells * spec.trials, spec.skipped))};
+                  "study {} (simulated): {}, {}, {} and {} = {} x {} = {} trials; combinations skipped: {}",
+                  spec.name, counted(spec.rigs.size(), "rig"), counted(spec.thresholds.size(), "threshold"),
+                  counted(spec.ranges.size(), "error range"), counted(choices, "other choice"),
+                  counted(cells, "cell"), counted(spec.trials, "trial"), cells * spec.trials, spec.skipped))};
 }
 
 // A study of the campaign's recordings.
@@ -83,9 +84,9 @@ OpenedStudy open_recordings(const RunArguments& arguments, const Spec& spec, con
                                               const StudyOptions&)) {
   return {.run = [=, output = arguments.output](
                      const StudyOptions& options) { return run(spec, campaign, output, options); },
-          .print_plan = prints({{"study", json_of(spec)}, {"campaign", campaign.name}, {"items", items}},
-                               fmt::format("study {} on campaign {}: {} item{}", spec.name, campaign.name,
-                                           items, items == 1 ? "" : "s")),
+          .print_plan = prints(
+              {{"study", json_of(spec)}, {"campaign", campaign.name}, {"items", items}},
+              fmt::format("study {} on campaign {}: {}", spec.name, campaign.name, counted(items, "item"))),
           .inputs = inputs_of(campaign),
           .campaign = campaign};
 }

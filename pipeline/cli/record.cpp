@@ -21,6 +21,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/words.h"
 #include "datasets/rig/calibration.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
@@ -195,10 +196,10 @@ std::unique_ptr<StreamListener> listener_of(const RecordArguments& arguments, Li
   auto listener = arguments.listen.empty()
                       ? std::make_unique<StreamListener>(receive_sockets().front())
                       : std::make_unique<StreamListener>(parse_address(arguments.listen));
-  display.say(fmt::format("{}; waiting for {} agent{}",
+  display.say(fmt::format("{}; waiting for {}",
                           arguments.listen.empty() ? "taking what `trilat receive` brings"
                                                    : fmt::format("listening on port {}", listener->port()),
-                          arguments.agents, arguments.agents == 1 ? "" : "s"));
+                          counted(arguments.agents, "agent")));
   return listener;
 }
 

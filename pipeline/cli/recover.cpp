@@ -8,6 +8,7 @@
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
 #include "datasets/base/json.h"
+#include "datasets/base/words.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_recover.h"
 #include "datasets/session/write_session.h"
@@ -124,13 +125,13 @@ void print_recovery(const LogsWritten& written, const std::vector<std::filesyste
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const LogSummary& log = written.logs[i];
     if (log.gap_count > 0)
-      fmt::print("{}: damaged at {} places, the first behind byte {}; what they held is left out\n",
-                 logs[i].string(), log.gap_count, log.gaps.front().offset);
+      fmt::print("{}: damaged at {}, the first behind byte {}; what they held is left out\n",
+                 logs[i].string(), counted(log.gap_count, "place"), log.gaps.front().offset);
     if (!log.finished)
       fmt::print("{}: was not ended by its recorder; at most its last second is lost\n", logs[i].string());
   }
-  fmt::print("{}: all that is whole of {} log{}, which may be removed now\n", output.string(), logs.size(),
-             logs.size() == 1 ? "" : "s");
+  fmt::print("{}: all that is whole of {}, which may be removed now\n", output.string(),
+             counted(logs.size(), "log"));
 }
 
 Json json_of(const LogsWritten& written, const std::vector<std::filesystem::path>& logs,

@@ -7,14 +7,15 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/json.h"
+#include "datasets/base/words.h"
 #include "pipeline/claims/judge_claims.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/found_results.h"
-#include "reports/claims.h"
 #include "reports/render/render.h"
+#include "reports/tables.h"
 #include "reports/write_report.h"
 
 namespace trilat {
@@ -98,9 +99,8 @@ int report(const ReportArguments& arguments) {
                                   {"files", list}},
                                  2));
   } else {
-    fmt::print("{}\n{} table{}, {} figure{}: {}\n", headline_text(files.headline), files.tables,
-               files.tables == 1 ? "" : "s", files.figures, files.figures == 1 ? "" : "s",
-               (arguments.output / "report.html").string());
+    fmt::print("{}\n{}, {}: {}\n", headline_text(files.headline), counted(files.tables, "table"),
+               counted(files.figures, "figure"), (arguments.output / "report.html").string());
   }
   return kDone;
 }

@@ -8,6 +8,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/files.h"
+#include "datasets/base/words.h"
 #include "datasets/session/session_verify.h"
 #include "pipeline/cli/check_output.h"
 #include "pipeline/cli/kinds.h"
@@ -58,9 +59,9 @@ void print_campaign(const std::filesystem::path& folder, const SimulationSpec& s
     people.insert(take.participant);
     activities.insert(take.activity);
   }
-  fmt::print("{} simulated take{} of {} participant{} and {} sensors ({}): {}\n", campaign.takes.size(),
-             campaign.takes.size() == 1 ? "" : "s", people.size(), people.size() == 1 ? "" : "s",
-             first.header().sensors.size(), fmt::join(activities, ", "), (folder / "campaign.json").string());
+  fmt::print("{} of {} and {} ({}): {}\n", counted(campaign.takes.size(), "simulated take"),
+             counted(people.size(), "participant"), counted(first.header().sensors.size(), "sensor"),
+             fmt::join(activities, ", "), (folder / "campaign.json").string());
   if (spec.wand)
     fmt::print("wand recording: {} (mocap starts at host clock {} ns)\n", (wand / "session.h5").string(),
                wand_mocap_start(spec).ns);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "datasets/base/words.h"
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/clocks/clocks_study.h"
 
@@ -32,8 +33,8 @@ std::vector<Row> computers(const ClocksSummary& s) {
 
 // Subject of the tables.
 std::string about(const ClocksSummary& s) {
-  return fmt::format("{}{} recording{}, {} computers of sensors ({})", s.simulated ? "simulated, " : "",
-                     s.recordings, s.recordings == 1 ? "" : "s", computers(s).size(), s.campaign);
+  return fmt::format("{}{}, computers of {} ({})", s.simulated ? "simulated, " : "",
+                     counted(s.recordings, "recording"), counted(computers(s).size(), "sensor"), s.campaign);
 }
 
 // Rows of all computers together that have a number of that measure and statistic.
@@ -208,8 +209,8 @@ StoredTables clocks_tables(const ClocksSummary& summary) {
   StoredTables shown;
   shown.title = summary.study == summary.campaign ? summary.study : summary.study + " on " + summary.campaign;
   shown.asked = "How well do the clocks agree, and do frames come in time?";
-  shown.about = fmt::format("Clocks of {} recording{}, {} computers of sensors, {}.", summary.recordings,
-                            summary.recordings == 1 ? "" : "s", computers(summary).size(),
+  shown.about = fmt::format("Clocks of {}, computers of {}, {}.", counted(summary.recordings, "recording"),
+                            counted(computers(summary).size(), "sensor"),
                             summary.simulated ? "**simulated**" : "recorded");
   shown.findings = findings(summary);
   for (const std::string& text : summary.failed) shown.warnings.push_back("Left out: " + text);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // From the sums of a study's errors to its numbers.
-#include "pipeline/errors/numbers.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "datasets/base/error.h"
 #include "evaluators/metrics/body_metrics.h"
 #include "evaluators/metrics/statistics.h"
+#include "pipeline/errors/condition_errors.h"
 
 namespace trilat {
 namespace {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/base/error.h"
+#include "datasets/base/words.h"
 #include "datasets/results/gate_history.h"
 #include "pipeline/errors/error_changes.h"
 #include "pipeline/gate/found_results.h"
@@ -145,8 +146,8 @@ class Comparison {
       verdict.note += (verdict.note.empty() ? "" : "; ") + text;
     };
     if (!takes.one_sided.empty())
-      add_note(fmt::format("{} take{} only one side has, {}", takes.one_sided.size(),
-                           takes.one_sided.size() == 1 ? " that" : "s that", takes.one_sided.front()));
+      add_note(fmt::format("{} that only one side has, {}", counted(takes.one_sided.size(), "take"),
+                           takes.one_sided.front()));
     if (!takes.same.empty()) {
       const std::set<std::string> otherwise = takes_answered_otherwise(errors_before, errors_now);
       const CommonErrorsOfRows common = common_errors(pair.before.folder, pair.now.folder, otherwise);
@@ -157,8 +158,8 @@ class Comparison {
       compare_takes(pair.now.name, errors_before, errors_now, takes.same, limits_, report_, common);
     }
     if (!takes.other.empty())
-      add_note(fmt::format("other recordings of {} take{}, {}", takes.other.size(),
-                           takes.other.size() == 1 ? "" : "s", takes.other.front()));
+      add_note(fmt::format("other recordings of {}, {}", counted(takes.other.size(), "take"),
+                           takes.other.front()));
     if (!takes.other.empty() || takes.same.empty()) {
       compare_others(pair.now.name,
                      takes.same.empty() ? errors_before : errors_of(errors_before, takes.other),

@@ -15,6 +15,7 @@
 
 #include "datasets/base/text_output.h"
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "datasets/results/summary.h"
 
 namespace trilat {
@@ -193,8 +194,7 @@ std::string not_judged_text(const GateReport& report) {
     if (s.state != StudyState::not_judged) continue;
     text += text.empty() ? "" : ", ";
     text += s.participants == 0 ? fmt::format("other recordings in {}", s.study)
-                                : fmt::format("{} participant{} in {}", s.participants,
-                                              s.participants == 1 ? "" : "s", s.study);
+                                : counted(s.participants, "participant") + " in " + s.study;
   }
   return text;
 }

@@ -10,6 +10,7 @@
 
 #include "datasets/base/median.h"
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "datasets/paper/printed_tables.h"
 #include "evaluators/metrics/statistics.h"
 #include "evaluators/solvers/point_estimate.h"
@@ -156,10 +157,9 @@ StoredTables sweep_tables(const SweepSummary& s, const SweepTimings& timings) {
   StoredTables shown;
   shown.title = s.study;
   shown.asked = "What does the stopping threshold C cost, and what does it bring?";
-  shown.about = fmt::format(
-      "Threshold sweep, **simulated**: {} interpretations x {} error ranges x {} thresholds, {} trials a "
-      "cell.",
-      s.interpretations(), s.ranges, s.thresholds, s.trials);
+  shown.about = fmt::format("Threshold sweep, **simulated**: {} x {} x {}, {} trials a cell.",
+                            counted(s.interpretations(), "interpretation"), counted(s.ranges, "error range"),
+                            counted(s.thresholds, "threshold"), s.trials);
   shown.findings = {threshold_sentence(s)};
   shown.errata = {{"E18", mean_spread_effect(s)}};
   const auto add = [&](std::vector<Table> tables, Table::Placement where) {
@@ -307,10 +307,10 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
       std::ranges::sort(series.points, {}, &FigurePoint::x);
       figure.series.push_back(std::move(series));
     }
-  figure.caption =
-      fmt::format("Simulated, {} trials a point, seed {}; band: {}.{}{}", s.trials, s.seed, quantity.interval,
-                  left_out.empty() ? "" : fmt::format(" {} more lines are in sweep.csv.", left_out.size()),
-                  paper && quantity.printed ? " Rings: what the paper prints." : "");
+  figure.caption = fmt::format(
+      "Simulated, {} trials a point, seed {}; band: {}.{}{}", s.trials, s.seed, quantity.interval,
+      left_out.empty() ? "" : fmt::format(" sweep.csv has {}.", counted(left_out.size(), "more line")),
+      paper && quantity.printed ? " Rings: what the paper prints." : "");
   return figure;
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "datasets/synthetic/range_trials.h"
 #include "evaluators/solvers/nonlinear.h"
 #include "evaluators/solvers/sensor_plane.h"
+#include "pipeline/study/study.h"
 #include "pipeline/sweep/sweep_summary.h"
 
 namespace trilat {
@@ -86,5 +89,12 @@ struct SweepTrials {
   bool has_guess = false;
 };
 SweepTrials trials_of(const SweepSpec& spec, const SweepSetting& setting);
+
+// Trials that one thread sums up; the sums of a cell's chunks are added in their order.
+inline constexpr std::size_t kChunkTrials = 8192;
+
+// Solves the sweep's trials on the threads of the current arena. An item is the cells of one interpretation,
+// or some of them; summary.json is a SweepSummary, timings.json SweepTimings. Throws Interrupted.
+ItemCounts run_sweep(const SweepSpec& spec, const std::filesystem::path& folder, const StudyOptions& options);
 
 }  // namespace trilat

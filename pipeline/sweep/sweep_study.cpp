@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "pipeline/sweep/sweep_study.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -14,6 +12,7 @@
 #include "pipeline/study/results_run.h"
 #include "pipeline/study/study.h"
 #include "pipeline/sweep/sweep_cell.h"
+#include "pipeline/sweep/sweep_spec.h"
 #include "pipeline/sweep/sweep_tables.h"
 
 namespace trilat {

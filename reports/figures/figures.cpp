@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "datasets/results/item_store.h"
 #include "datasets/results/table.h"
 
@@ -216,8 +217,8 @@ std::vector<std::string> history_sentences(const std::vector<Night>& history) {
     sentences.push_back(
         fmt::format("**Night {}**: its results became the baseline: {}.", night, last.reason));
   else if (!last.alarms.empty())
-    sentences.push_back(fmt::format("**Night {}: {} alarm{}**, the first: {}.", night, last.alarms.size(),
-                                    last.alarms.size() == 1 ? "" : "s", last.alarms.front()));
+    sentences.push_back(fmt::format("**Night {}: {}**, the first: {}.", night,
+                                    counted(last.alarms.size(), "alarm"), last.alarms.front()));
   else if (!last.not_judged.empty())
     sentences.push_back(fmt::format("**Night {}: not judged**: {}.", night, last.not_judged.front()));
   else

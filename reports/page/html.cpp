@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include "datasets/base/error.h"
+#include "datasets/base/words.h"
 #include "reports/render/render.h"
 
 namespace trilat {
@@ -76,8 +77,8 @@ std::string cells_html(const Table& table) {
 std::string links_html(const Table& table) {
   std::string html = "<div class=\"links\">";
   if (table.first_rows > 0 && table.first_rows < table.rows.size())
-    html += fmt::format("<button type=\"button\" class=\"more\">Show {} more rows</button>",
-                        table.rows.size() - table.first_rows);
+    html += fmt::format("<button type=\"button\" class=\"more\">Show {}</button>",
+                        counted(table.rows.size() - table.first_rows, "more row"));
   else if (table.first_columns > 0 && table.first_columns < table.columns.size())
     html += "<button type=\"button\" class=\"more\">Show intervals and details</button>";
   html += fmt::format("<a href=\"tables/{}.csv\">CSV</a>", html_text(table.id));

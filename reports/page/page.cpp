@@ -12,6 +12,7 @@
 
 #include "datasets/base/error.h"
 #include "datasets/base/version.h"
+#include "datasets/base/words.h"
 #include "reports/page/embedded_page.h"
 #include "reports/page/html.h"
 
@@ -108,8 +109,8 @@ std::string lead_html(const ReportContent& content) {
         "tracker are declared to have, by default as measured on real people. ";
   const auto tables = std::ranges::count(content.tables(), Table::Placement::first, &Table::shown);
   if (tables > 0)
-    more += fmt::format("Below: {} table{}; each study lists its others, one CSV each.", tables,
-                        tables == 1 ? "" : "s");
+    more += fmt::format("Below: {}; each study lists its others, one CSV each.",
+                        counted(static_cast<std::size_t>(tables), "table"));
   return more.empty() ? html : html + "<p class=\"soft\">" + more + "</p>\n";
 }
 

@@ -64,10 +64,11 @@ std::string figure_link(const DrawnFigure& drawn) {
       html_text(figure.title), id);
 }
 
-std::string folded(std::size_t count, const std::string& what, const std::string& lines) {
+std::string folded(std::size_t count, const std::string& lines) {
   if (count == 0) return {};
-  return fmt::format("<details class=\"plain\"><summary>{} {}</summary>\n<ul>\n{}</ul>\n</details>\n", count,
-                     what, lines);
+  return fmt::format(
+      "<details class=\"plain\"><summary>{} of this study</summary>\n<ul>\n{}</ul>\n</details>\n",
+      count == 1 ? "1 more table or figure" : fmt::format("{} more tables and figures", count), lines);
 }
 
 std::string chapter_id(std::size_t number) { return fmt::format("chapter-{}", number + 1); }
@@ -100,7 +101,7 @@ std::string chapter_html(const ReportContent& content, const Chapter& chapter) {
       add(figure_link(drawn));
     else if (!drawn.in_headline)
       html += figure_html(drawn);
-  html += folded(others, "more tables and figures of this study", links);
+  html += folded(others, links);
   return html + fmt::format("<p class=\"soft\"><a href=\"#made-{}\">Commands and inputs</a></p>\n",
                             html_text(file_name_from(chapter.provenance.folder)));
 }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/text_output.h"
+#include "datasets/base/words.h"
 
 namespace trilat {
 
@@ -174,9 +175,9 @@ std::string terminal_text(const Table& table, std::size_t width) {
   if (std::ranges::any_of(table.rows, [&](const auto& row) { return std::ranges::any_of(row, is_marked); }))
     text += "*: the least error; ≈: cannot be distinguished from it on the samples that both answer\n";
   if (const std::size_t left = table.rows.size() - rows; left > 0)
-    text += fmt::format("the report has {} more row{}\n", left, left == 1 ? "" : "s");
+    text += "the report has " + counted(left, "more row") + "\n";
   if (const std::size_t left = table.columns.size() - columns.size(); left > 0)
-    text += fmt::format("the report has {} more column{}\n", left, left == 1 ? "" : "s");
+    text += "the report has " + counted(left, "more column") + "\n";
   return text;
 }
 

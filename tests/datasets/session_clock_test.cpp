@@ -162,6 +162,23 @@ TEST(SensorClock, SomeExchangesThatLieDoNoHarm) {
   EXPECT_NEAR((agent({clocks.agent_ns(60.0)}) - HostTime{SimulatedClocks::kStart_ns}).seconds(), 60.0, 1e-4);
 }
 
+// Every fourth of 48 exchanges has the least delay: its offset is 0 for six of them, 10 s, and 900 us for the
+// others. Slopes between near ones are mostly 0; those of at least a third of the span have a median of 900
+// us / 14 s, of all pairs of 900 us / 18 s.
+TEST(SensorClock, TheDriftIsThatOfFarExchanges) {
+  std::vector<ClockExchange> exchanges;
+  for (std::int64_t k = 0; k < 48; ++k) {
+    const std::int64_t at_ns = k * 500'000'000, offset_ns = k < 24 ? 0 : 900'000,
+                       half_ns = k % 4 == 0 ? 50'000 : 500'000;
+    exchanges.push_back(
+        {at_ns, at_ns + half_ns + offset_ns, at_ns + half_ns + offset_ns, at_ns + 2 * half_ns});
+  }
+  const AgentClock agent = fit_agent_clock(exchanges);
+  EXPECT_EQ(agent.exchanges_used, 12u);
+  const double passed_s = (agent({22'000'000'000}) - agent({0})).seconds();
+  EXPECT_NEAR(22.0 - passed_s, 22.0 * 900e-6 / 14.0, 1e-6);
+}
+
 TEST(SensorClock, WithoutExchangesBothMachinesAreTheSame) {
   EXPECT_EQ(fit_agent_clock({})({1234}).ns, 1234);
   SimulatedClocks clocks{.agent_drift_ppm = 0.0};

@@ -388,6 +388,25 @@ TEST(Session, VerifyCountsWhatItFinds) {
     EXPECT_THAT(said, HasSubstr(finding));
 }
 
+TEST(Session, VerifyWarnsWhereNoFrameHoldsABodyAndSaysHowFarItIs) {
+  const auto path = written("empty_frames.h5", 5, [](std::int64_t, BodyFrame& frame) {
+    frame.bodies.clear();
+    return true;
+  });
+  EXPECT_THAT(said_of(path), HasSubstr("warning 5 of 5 frames hold no body"));
+  EXPECT_THAT(said_of(written("one_body.h5", 5,
+                              [](std::int64_t i, BodyFrame& frame) {
+                                if (i > 0) frame.bodies.clear();
+                                return true;
+                              })),
+              HasSubstr("note 4 of 5 frames hold no body"));
+  std::vector<double> shares;
+  verify_session(SessionReader(path), {}, [&](double share) { shares.push_back(share); });
+  ASSERT_FALSE(shares.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_NEAR(shares.back(), 1.0, 1e-12);
+}
+
 TEST(Session, ControlCharactersOfAFileReachNoTerminal) {
   EXPECT_EQ(printable("a\x1b[31m\x7f\n\tb\xc3\xa4"), "a\\x1b[31m\\x7f\n\tb\xc3\xa4");
   EXPECT_STREQ(InputError("f\x1b", "is \x07").what(), "f\\x1b: is \\x07");

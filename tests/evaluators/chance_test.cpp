@@ -53,5 +53,12 @@ TEST(Holm, CountsOnlyWhatIsATest) {
   EXPECT_TRUE(holm_adjusted({}).empty());
 }
 
+TEST(Shares, NeverAndAlwaysLeaveNoChanceUntold) {
+  EXPECT_EQ(estimate_share(0.0, 10.0).chance_of_more(0.5), 1.0);
+  EXPECT_LT(estimate_share(1.0, 10.0).chance_of_fewer(0.9), 1e-6);
+  EXPECT_EQ(estimate_share(10.0, 10.0).chance_of_fewer(0.5), 1.0);
+  EXPECT_NEAR(estimate_share(10.0, 10.0).chance_of_more(0.5), std::pow(0.5, 10.0), 1e-12);
+}
+
 }  // namespace
 }  // namespace trilat

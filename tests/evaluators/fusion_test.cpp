@@ -92,6 +92,14 @@ TEST(Mean, LeavesOutTheOneFarthestFromTheMedianBeyondALimit) {
   EXPECT_EQ(solve_mean({}, {.outlier_m = 0.15}).status, SolveStatus::no_observation);
 }
 
+TEST(Mean, WhatIsNotSeenOrNotAllowedIsNoOutlier) {
+  std::vector<JointObservation> seen{at({0, 0, 0}), at({0.03, 0, 0}), at({0, 0, 0.2}), at({0, 0, 9.0}),
+                                     at({0, 9.0, 0})};
+  seen[3].seen = false;
+  const double z_m = solve_mean(seen, {.allowed = 0b01111, .outlier_m = 0.15}).position_m.z();
+  EXPECT_NEAR(z_m, 0.0, 1e-12);  // the third alone is left out
+}
+
 TEST(Median, AllowsOnlyTheSensorsOfTheMask) {
   const std::vector<JointObservation> seen{at({0, 0, 0}), at({1, 0, 0}), at({2, 0, 0})};
   EXPECT_EQ(solve_median(seen, {.allowed = SensorMask(0b110)}).position_m, Vector3d(1.5, 0, 0));

@@ -72,6 +72,14 @@ TEST(RigStart, CommonPointsOnALineAreSaidOfTheSensorThatHasThem) {
   expect_exact(start, 1);
 }
 
+TEST(RigStart, PointsOfAThinLineAreOnALine) {
+  std::vector<Vector3d> points = points_in_a_room(8);
+  for (int i = 0; i < 6; ++i) points.emplace_back(0.1 * i, 1.0 + 0.05 * i, 1e-4 * (i % 3));
+  const RigStart start =
+      initial_poses(seen_by(3, points, [](std::size_t s, std::size_t p) { return s < 2 || p >= 8; }), {});
+  EXPECT_THAT(start.placement, ElementsAre(placed, placed, points_on_line));
+}
+
 TEST(RigStart, TwoCommonPointsAreNoCommonView) {
   const RigStart start = initial_poses(
       seen_by(3, points_in_a_room(10), [](std::size_t s, std::size_t p) { return s < 2 || p < 2; }), {});

@@ -551,6 +551,17 @@ TEST(AccuracyTables, FindingsNameTheBestItsShareAndTheReference) {
             "lab, recorded sensors; against the sensor left out; 3 of 4 takes, 1 participant");
 }
 
+TEST(AccuracyTables, TheBestSingleSensorIsAmongTheFirstMethods) {
+  ResultsSummary s =
+      summary_of({"linear", "a", "b", "c", "d", "e", "f", "single k1", "single k2", "singleton"}, {"head"});
+  for (const std::string& method : s.methods) add_error(s, method, "head", 5.0);
+  s.numbers = {};
+  for (const std::string& method : s.methods)
+    add_error(s, method, "head", method == "single k2" ? 4.0 : method == "singleton" ? 1.0 : 6.0);
+  EXPECT_THAT(leading_methods(s, "walking"), Contains("single k2"));
+  EXPECT_THAT(leading_methods(s, "walking"), Not(Contains("single k1")));
+}
+
 TEST(AccuracyFigures, JointsGoFromHeadToFootAndSensorsAreCounted) {
   ResultsSummary s = summary_of({"linear"}, {"ankle", "thumb", "head", "knee", "wrist", "elbow", "hip"});
   for (const std::string& group : s.groups) add_error(s, "linear", group, 5.0);

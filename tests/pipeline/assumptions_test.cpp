@@ -58,6 +58,20 @@ TEST(Assumptions, OfACampaignThatIsSimulatedAgainAreTheNewOnes) {
   EXPECT_NE(read_file(folder / "campaign/simulator.json"), first);
 }
 
+TEST(Assumptions, NameEveryPartOfASimulation) {
+  const ScratchFolder folder;
+  SimulationSpec spec = walking_spec(1, 1.0);
+  spec.rig.arc_start_rad = 0.5;
+  simulate_into(folder / "campaign", spec);
+  const auto parameters = read_simulation_assumptions(folder / "campaign");
+  for (const char* name :
+       {"rig radius", "sensor heights", "arc of the rig", "start of the arc", "error of the calibration",
+        "frame rate", "range", "focal length between units", "image centre between units", "frames lost",
+        "clock drift", "participants", "marker noise"})
+    EXPECT_THAT(value_of(parameters, name), Not(HasSubstr("no "))) << name;
+  EXPECT_THAT(value_of(parameters, "start of the arc"), testing::StartsWith("28.6"));
+}
+
 struct RecordedSession {
   ScratchFolder folder;
   SimulationSpec spec = tracked(0.02);

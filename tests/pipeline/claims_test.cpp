@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 
-#include "reports/claims.h"
-
 #include <set>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "pipeline/claims/judge_claims.h"
+#include "reports/tables.h"
 #include "tests/pipeline/made_campaign.h"
 #include "tests/support/scratch.h"
 #include "tests/support/trials.h"

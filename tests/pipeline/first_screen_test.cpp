@@ -67,7 +67,7 @@ TEST(FirstScreen, SaysWhatTrilaterationReachesWhatErrsLessAndOnWhichData) {
   EXPECT_EQ(answers[1],
             "Errors of trilateration: `nonlinear` 10.0 cm (9.8 to 10.2), `linear` 11.0 cm (10.8 to 11.2).");
   EXPECT_EQ(answers[2], "Methods that err less: `mean` 5.0 cm (4.8 to 5.2).");
-  EXPECT_EQ(answers[3], "Data: 1 **simulated** walker, average of 1 joint groups.");
+  EXPECT_EQ(answers[3], "Data: 1 **simulated** walker, average of 1 joint group.");
   EXPECT_THAT(paper_comparison(chosen(3, {{"median", 5.0}, {"mean", 5.0}})), IsEmpty());
 }
 

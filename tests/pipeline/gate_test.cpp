@@ -9,7 +9,6 @@
 #include "datasets/results/gate_history.h"
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/clocks/clocks_study.h"
-#include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
 #include "pipeline/gate/found_results.h"
 #include "pipeline/sweep/sweep_summary.h"

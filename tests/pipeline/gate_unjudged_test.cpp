@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "datasets/results/gate_history.h"
-#include "pipeline/gate/accept_results.h"
 #include "pipeline/gate/compare_results.h"
+#include "pipeline/gate/found_results.h"
 #include "tests/pipeline/made_results.h"
 #include "tests/pipeline/program.h"
 

@@ -11,7 +11,7 @@
 #include "pipeline/accuracy/accuracy_study.h"
 #include "pipeline/accuracy/methods/method_kinds.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
-#include "pipeline/errors/numbers.h"
+#include "pipeline/errors/condition_errors.h"
 #include "pipeline/errors/take_errors.h"
 #include "tests/pipeline/campaigns.h"
 #include "tests/support/scratch.h"

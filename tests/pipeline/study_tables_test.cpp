@@ -182,7 +182,7 @@ TEST(SweepTables, TheSentenceComparesTheLargestThresholdWithTheSmallest) {
       HasSubstr("some cells answer nothing with the corrected gradient; 2.00 to 2.00 times the steps with "
                 "the printed gradient"));
   EXPECT_EQ(sweep_tables(s, timings_of(s, 0)).about,
-            "Threshold sweep, **simulated**: 2 interpretations x 1 error ranges x 2 thresholds, 100 trials a "
+            "Threshold sweep, **simulated**: 2 interpretations x 1 error range x 2 thresholds, 100 trials a "
             "cell.");
 }
 
@@ -248,7 +248,7 @@ TEST(SweepFigures, HaveThePapersNumbersBesideItsGridAndLeaveOutWhatIsTooMuch) {
   for (int k = 0; k < 13; ++k) ranges_cm.push_back({1.0 * k, 2.0 * k + 1.0});
   s = sweep_over({1.0}, ranges_cm, {settings[0]});
   EXPECT_EQ(sweep_figures(s, timings_of(s, 0))[0].panels.size(), 12u);
-  EXPECT_THAT(sweep_figures(s, timings_of(s, 0))[0].caption, HasSubstr(" 1 more lines are in sweep.csv."));
+  EXPECT_THAT(sweep_figures(s, timings_of(s, 0))[0].caption, HasSubstr(" sweep.csv has 1 more line."));
   settings.clear();
   for (const char* stop : {"printed", "objective", "step"})
     for (const char* gradient : {"printed", "corrected"}) settings.push_back(setting_of(gradient, stop));
@@ -351,7 +351,7 @@ TEST(ClocksTables, StandBesideThePapersTableIV) {
   add(queue.with({.statistic = "taken"}), 0.94, 94);
   StoredTables shown = clocks_tables(s);
   EXPECT_EQ(shown.title, "clocks on lab");
-  EXPECT_EQ(shown.about, "Clocks of 1 recording, 1 computers of sensors, recorded.");
+  EXPECT_EQ(shown.about, "Clocks of 1 recording, computers of 1 sensor, recorded.");
   EXPECT_THAT(
       shown.findings,
       ElementsAre(
@@ -362,7 +362,7 @@ TEST(ClocksTables, StandBesideThePapersTableIV) {
             "taken for the server's clock, a median error of 1.2e+04 ms; corrected, as a live "
             "system can, 1 ms");
   ASSERT_EQ(shown.tables.size(), 4u);
-  EXPECT_EQ(shown.tables[0].title, "Table IV, clock errors: 1 recording, 1 computers of sensors (lab)");
+  EXPECT_EQ(shown.tables[0].title, "Table IV, clock errors: 1 recording, computers of 1 sensor (lab)");
   EXPECT_THAT(
       rows_of(shown.tables[0]),
       ElementsAre(
@@ -390,7 +390,7 @@ TEST(ClocksTables, StandBesideThePapersTableIV) {
     add({.group = fmt::format("s{}", k), .measure = "clock_fit", .statistic = "share_used", .take = "t2"},
         0.5);
   shown = clocks_tables(s);
-  EXPECT_EQ(shown.about, "Clocks of 2 recordings, 11 computers of sensors, **simulated**.");
+  EXPECT_EQ(shown.about, "Clocks of 2 recordings, computers of 11 sensors, **simulated**.");
   EXPECT_THAT(shown.findings[0], HasSubstr("Simulated: a live system"));
   EXPECT_EQ(shown.tables[2].first_rows, 8u);
   s.study = "lab";

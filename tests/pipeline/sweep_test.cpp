@@ -10,7 +10,7 @@
 
 #include "datasets/base/error.h"
 #include "pipeline/sweep/sweep_cell.h"
-#include "pipeline/sweep/sweep_study.h"
+#include "pipeline/sweep/sweep_spec.h"
 #include "pipeline/sweep/sweep_summary.h"
 #include "pipeline/sweep/sweep_tables.h"
 #include "tests/pipeline/swept_folders.h"

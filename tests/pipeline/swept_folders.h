@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "pipeline/sweep/sweep_study.h"
+#include "pipeline/sweep/sweep_spec.h"
 #include "pipeline/sweep/sweep_summary.h"
 #include "tests/pipeline/sweeps.h"
 #include "tests/support/scratch.h"

@@ -91,6 +91,19 @@ def changes(schema, value, document, path=()):
             yield from changes(schema["items"], item, document, (*path, k))
 
 
+def limits_of(schema, place):
+    """ "study/rate_hz: exclusiveMinimum 0, maximum 1000, default 30.0" of each key that has any."""
+    said = [f"{key} {json.dumps(schema[key])}" for key in ("minimum", "exclusiveMinimum", "maximum", "minItems", "maxItems", "maxLength", "default")
+            if key in schema]
+    if said:
+        yield f"{place}: {', '.join(said)}"
+    if "minimum" not in schema:  # else its keys are as itself
+        for key, part in schema.get("properties", {}).items():
+            yield from limits_of(part, f"{place}/{key}")
+    for part in [schema["items"]] if isinstance(schema.get("items"), dict) else schema.get("oneOf", []):
+        yield from limits_of(part, place)
+
+
 def shipped_documents():
     for path in sorted((SOURCE / "pipeline/studies").glob("*.json")):
         document = json.loads(path.read_text())
@@ -158,6 +171,13 @@ class Refusals(ScratchTest):
             cases += [(name, wrong, pointer) for pointer, wrong in changes(schema, document, document)]
         self.assertGreater(len(cases), 380)
         self.refuse_all(cases)
+
+    def test_limits_and_defaults_are_those_of_the_list(self):
+        """A limit or default that moves changes what users may write, or their results: limits.txt is changed with it, by hand."""
+        listed = (Path(__file__).parent / "limits.txt").read_text().splitlines()
+        found = {line for name, schema in self.schemas.items() for line in limits_of(schema, name)}
+        self.assertEqual(sorted(found - set(listed)), [], "not in the list")
+        self.assertEqual(sorted(set(listed) - found), [], "in the list alone")
 
     def test_what_no_schema_says_is_refused_at_its_place(self):
         cases = json.loads((Path(__file__).parent / "refusals.json").read_text())["cases"]

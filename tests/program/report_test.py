@@ -163,6 +163,7 @@ class Report(ScratchTest):
                 shown = " ".join(page.cells) if path.suffix == ".html" else path.read_text()
                 self.assertNotRegex(shown, r"(?i)(?<![a-z])-?(nan|inf)(?![a-z])", path.name)
         self.assertLess((report / "report.html").stat().st_size, 3_000_000)
+        self.assertIn(f"version = {{{trilat('--version').split()[1]}}}", (report / "citation.bib").read_text())
         self.check_numbers(report)
 
     def check_numbers(self, report):

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
-#include "reports/claims.h"
 #include "reports/render/render.h"
+#include "reports/tables.h"
 #include "tests/reports/summaries.h"
 
 namespace trilat {

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "reports/claims.h"
 #include "reports/page/html.h"
 #include "reports/tables.h"
 
@@ -61,7 +60,7 @@ TEST(Html, ALongTableFoldsItsRowsOrItsColumns) {
   Table table = errors_table();
   table.notes.clear();
   table.first_rows = 1;
-  EXPECT_THAT(html_of(table), HasSubstr("<button type=\"button\" class=\"more\">Show 1 more rows</button>"));
+  EXPECT_THAT(html_of(table), HasSubstr("<button type=\"button\" class=\"more\">Show 1 more row</button>"));
   EXPECT_THAT(html_of(table), HasSubstr("<tbody>\n<tr><th scope=\"row\">linear"));
   EXPECT_THAT(html_of(table), HasSubstr("\n<tr class=\"rest\"><th scope=\"row\">mean"));
   EXPECT_THAT(html_of(table), HasSubstr("</table></div>\n</div>\n"));  // no list of notes
@@ -309,7 +308,7 @@ TEST(Page, ClaimsStandBeforeTheFirstTableTheyRestOn) {
       "<span class=\"v fails\">does not hold</span></li>\n</ul>\n";
   EXPECT_THAT(html, HasSubstr(claims + "<div class=\"table\" id=\"table-t0\">"));
   EXPECT_EQ(html.find(claims), html.rfind(claims));
-  EXPECT_THAT(html, HasSubstr("<summary>1 more tables and figures of this study</summary>\n<ul>\n<li><strong>"
+  EXPECT_THAT(html, HasSubstr("<summary>1 more table or figure of this study</summary>\n<ul>\n<li><strong>"
                               "Error</strong> <span>(2 takes, simulated)</span> <a href=\"tables/t2.csv\">"));
 }
 

@@ -116,6 +116,38 @@ TEST(Latex, ValuesHaveHalfTheirIntervalAndWhatIsPrintedARowOfItsOwn) {
   EXPECT_THAT(text, HasSubstr("b & 98.0 (90.0 to 99.5) \\\\\n"));
 }
 
+// A column of numbers is as wide as "10.0 ± 0.5", nine letters: four of them and a name of eight fit into 69
+// mm.
+TEST(Latex, ATableIsAsWideAsItsIntervals) {
+  Table table;
+  table.id = "t";
+  table.columns = {{"m", "m", true}};
+  for (int c = 0; c < 4; ++c) table.columns.push_back({"c", "c"});
+  const auto kind_of = [&](std::size_t letters) {
+    TableValue value = TableValue::of(10.0, 1);
+    value.low = 9.5;
+    value.high = 10.5;
+    table.rows = {{TableValue::of(std::string(letters, 'x')), value, value, value, value}};
+    return latex_of(table)->substr(0, 14);
+  };
+  EXPECT_EQ(kind_of(8), "\\begin{table}\n");
+  EXPECT_EQ(kind_of(9), "\\begin{table*}");
+}
+
+TEST(Latex, AnIntervalThatIsNotAboutItsValueKeepsItsEnds) {
+  const auto cell_of = [](double high) {
+    Table table = small_table();
+    TableValue value = TableValue::of(10.0, 0);
+    value.low = 9.0;
+    value.high = high;
+    table.rows = {{TableValue::of("a"), value}};
+    return *latex_of(table);
+  };
+  EXPECT_THAT(cell_of(11.125),
+              HasSubstr("a & 10\\,\\ensuremath{\\pm}\\,1 "));   // off by 0.0625 of 0.053 + 0.01
+  EXPECT_THAT(cell_of(11.14), HasSubstr("a & 10 (9 to 11) "));  // by 0.07
+}
+
 TEST(Latex, TakesThePagesColumnsInTheirOrderAsWideAsTheyNeed) {
   Table table;
   table.id = "wide";

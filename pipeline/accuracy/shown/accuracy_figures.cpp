@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 
 namespace trilat {
@@ -35,9 +36,9 @@ Figure methods_figure(const ResultsSummary& s, const std::string& condition) {
   Figure figure;
   figure.id = file_name_from("errors-" + (condition.empty() ? "all" : condition));
   figure.title = "Mean error by method and joint";
-  figure.caption = fmt::format("{} {}, {} participant{}: mean error with its 95 % interval, alignment {}.",
-                               s.simulated ? "Simulated" : "Recorded", condition, s.participants,
-                               s.participants == 1 ? "" : "s", alignment);
+  figure.caption = fmt::format("{} {}, {}: mean error with its 95 % interval, alignment {}.",
+                               s.simulated ? "Simulated" : "Recorded", condition,
+                               counted(s.participants, "participant"), alignment);
   if (is_like_the_papers(s, condition)) figure.printed = "table3";
   figure.x_label = "mean error (cm)";
   const std::vector<std::string> methods = leading_methods(s, condition);

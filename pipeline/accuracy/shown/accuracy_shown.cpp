@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "datasets/base/words.h"
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
 
@@ -54,9 +55,9 @@ std::vector<std::string> paper_comparison(const ResultsSummary& s) {
   }
   if (!better.empty()) answers.push_back("Methods that err less: " + better + ".");
   answers.push_back(
-      fmt::format("Data: {} {} walker{}, average of {} joint groups, each method's mean offset taken away.",
-                  s.participants, s.simulated ? "**simulated**" : "recorded", s.participants == 1 ? "" : "s",
-                  s.groups.size()));
+      fmt::format("Data: {}, average of {}, each method's mean offset taken away.",
+                  counted(s.participants, s.simulated ? "**simulated** walker" : "recorded walker"),
+                  counted(s.groups.size(), "joint group")));
   if (!relative) answers.back() = answers.back().substr(0, answers.back().rfind(", each")) + ".";
   return answers;
 }
@@ -80,9 +81,9 @@ StoredTables accuracy_shown(const ResultsSummary& whole, const std::optional<Tra
   StoredTables shown;
   shown.title = s.study == s.campaign ? s.study : s.study + " on " + s.campaign;
   shown.asked = "How far from the truth is each method?";
-  shown.about =
-      fmt::format("{} of {} takes, {} participant{}, {}.", s.takes - s.takes_failed, s.takes, s.participants,
-                  s.participants == 1 ? "" : "s", s.simulated ? "**simulated** sensors" : "recorded sensors");
+  shown.about = fmt::format("{} of {}, {}, {}.", s.takes - s.takes_failed, counted(s.takes, "take"),
+                            counted(s.participants, "participant"),
+                            s.simulated ? "**simulated** sensors" : "recorded sensors");
   shown.findings = accuracy_findings(s);
   shown.on_the_paper = paper_comparison(s);
   shown.warnings = accuracy_warnings(s);

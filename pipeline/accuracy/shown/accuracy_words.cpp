@@ -16,12 +16,11 @@
 namespace trilat {
 
 std::string about(const ResultsSummary& s, const std::string& condition, const std::string& alignment) {
-  return fmt::format("{}, {}{}; {}{}{} of {} takes, {} participant{}", s.campaign,
-                     condition.empty() ? "" : condition + ", ",
+  return fmt::format("{}, {}{}; {}{}{} of {}, {}", s.campaign, condition.empty() ? "" : condition + ", ",
                      s.simulated ? "simulated sensors" : "recorded sensors",
                      s.left_out() ? "against the sensor left out; " : "",
                      alignment.empty() ? "" : "alignment: " + alignment + "; ", s.takes - s.takes_failed,
-                     s.takes, s.participants, s.participants == 1 ? "" : "s");
+                     counted(s.takes, "take"), counted(s.participants, "participant"));
 }
 
 std::string truth_note(const ResultsSummary& s) {
@@ -160,11 +159,10 @@ std::string alike_text(const ResultsSummary& s, const std::vector<std::string>& 
   const std::string names =
       fmt::format("{}`{}`", alike.size() > kMaxNamed ? "among them " : "", fmt::join(named, "`, `"));
   if (s.participants < kFewParticipants)
-    return fmt::format("; {} participant{} {} too few to rule out {} other{}, the nearest first ({})",
-                       s.participants, s.participants == 1 ? "" : "s", s.participants == 1 ? "is" : "are",
-                       alike.size(), alike.size() == 1 ? "" : "s", names);
-  return fmt::format("; {} other{} cannot be distinguished from it ({})", alike.size(),
-                     alike.size() == 1 ? "" : "s", names);
+    return fmt::format("; {} {} too few to rule out {}, the nearest first ({})",
+                       counted(s.participants, "participant"), s.participants == 1 ? "is" : "are",
+                       counted(alike.size(), "other"), names);
+  return fmt::format("; {} cannot be distinguished from it ({})", counted(alike.size(), "other"), names);
 }
 
 }  // namespace
@@ -224,13 +222,13 @@ std::vector<std::string> accuracy_warnings(const ResultsSummary& s, bool with_no
       warnings.push_back(fmt::format("Take {} failed: {}", note.take, sentence_of(note)));
   const auto noted = std::ranges::find(s.notes, false, &TakeNote::failed);
   if (notes > 0 && with_notes)
-    warnings.push_back(fmt::format("The checks noted {} thing{}, {}: take {}: {}", notes,
-                                   notes == 1 ? "" : "s", notes == 1 ? "namely" : "the first", noted->take,
-                                   sentence_of(*noted)));
+    warnings.push_back(fmt::format("The checks noted {}, {}: take {}: {}",
+                                   counted(static_cast<std::size_t>(notes), "thing"),
+                                   notes == 1 ? "namely" : "the first", noted->take, sentence_of(*noted)));
   if (s.participants < 6)
-    warnings.push_back(
-        fmt::format("Only {} participant{}: {}.", s.participants, s.participants == 1 ? "" : "s",
-                    s.participants < 3 ? "intervals are between takes, or between five seconds of a single "
+    warnings.push_back(fmt::format("Only {}: {}.", counted(s.participants, "participant"),
+                                   s.participants < 3
+                                       ? "intervals are between takes, or between five seconds of a single "
                                          "take, and say nothing of other people"
                                        : "intervals are wide, and hold for people like these alone"));
   for (const std::string& condition : s.conditions)

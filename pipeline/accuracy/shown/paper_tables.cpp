@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "datasets/base/units.h"
+#include "datasets/base/words.h"
 #include "datasets/paper/printed_tables.h"
 #include "pipeline/accuracy/shown/accuracy_shown.h"
 #include "pipeline/accuracy/shown/accuracy_words.h"
@@ -101,10 +102,10 @@ Figure stages_figure(const ResultsSummary& s, const StagesOf& of, const std::vec
   figure.id = file_name_from(of.activity.empty() ? "stages" : "stages-" + of.activity);
   figure.title = "Mean error stage by stage";
   figure.caption = fmt::format(
-      "{}{}, {} participant{}: mean error over the joint groups with its 95 % interval, each stage with what "
+      "{}{}, {}: mean error over the joint groups with its 95 % interval, each stage with what "
       "the stages above it changed.",
-      s.simulated ? "Simulated" : "Recorded", of.activity.empty() ? "" : " " + of.activity, s.participants,
-      s.participants == 1 ? "" : "s");
+      s.simulated ? "Simulated" : "Recorded", of.activity.empty() ? "" : " " + of.activity,
+      counted(s.participants, "participant"));
   figure.x_label = "mean error (cm)";
   figure.y_names = stages;
   for (const std::string& method : s.methods) {
@@ -224,9 +225,9 @@ std::vector<Table> table2(const ResultsSummary& summary) {
   table.printed = "table2";
   table.title =
       "Table II: mean absolute error with and without occlusion compensation, the paper's beside ours";
-  table.about = fmt::format(
-      "{}{} of {} takes, {} participants; alignment: {}", summary.simulated ? "simulated sensors, " : "",
-      summary.takes - summary.takes_failed, summary.takes, summary.participants, kAlignment);
+  table.about = fmt::format("{}{} of {}, {}; alignment: {}", summary.simulated ? "simulated sensors, " : "",
+                            summary.takes - summary.takes_failed, counted(summary.takes, "take"),
+                            counted(summary.participants, "participant"), kAlignment);
   table.columns = {{"part", "part", true},
                    {"samples", "samples", true},
                    {"method", "method", true},
