@@ -177,8 +177,6 @@ MatchedTakes match_takes(const ResultsPair& pair) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 // Over names and contents of all files but accepted.json itself.
 std::string content_of(const fs::path& folder) {
   std::vector<fs::path> files;

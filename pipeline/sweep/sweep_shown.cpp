@@ -309,7 +309,8 @@ Figure figure_of(const SweepSummary& s, const Quantity& quantity) {
     }
   figure.caption = fmt::format(
       "Simulated, {} trials a point, seed {}; band: {}.{}{}", s.trials, s.seed, quantity.interval,
-      left_out.empty() ? "" : fmt::format(" sweep.csv has {}.", counted(left_out.size(), "more line")),
+      left_out.empty() ? ""
+                       : fmt::format(" Not drawn, but in sweep.csv: {}.", counted(left_out.size(), "curve")),
       paper && quantity.printed ? " Rings: what the paper prints." : "");
   return figure;
 }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "reports/page/replay_data.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,6 +11,7 @@
 #include "datasets/rig/skeleton.h"
 #include "reports/figures/figure_look.h"
 #include "reports/page/html.h"
+#include "reports/report_content.h"
 
 namespace trilat {
 namespace {

@@ -47,7 +47,7 @@ TEST(OpenSource, ALiveSensorIsPacedAndStampedWithThisMachinesClock) {
   EXPECT_EQ(frames, 60u);
 }
 
-// What is listed, and then an error where one is wanted.
+// A source that gives the events of a list and then, with `breaks`, throws.
 class ListSource : public FrameSource {
  public:
   ListSource(std::size_t sensors, std::vector<SourceEvent> events, bool breaks = false)
@@ -118,8 +118,8 @@ TEST(LiveSource, EventsComeInTheOrderOfTheirTimesMovedToNow) {
                                    testing::Pair(0, 94'000)));
 }
 
-// Three frames are due at the start and one later; nobody takes any for 0.3 s. A frame whose bodies and depth
-// are both lost is lost once.
+// Three frames are due at the start and a fourth after 0.6 s; the test takes none for 0.3 s. The source
+// counts a frame once where it loses both its bodies and its depth.
 TEST(LiveSource, WhatNobodyTakesInTimeIsLostAndCountedOnce) {
   LiveSource source(std::make_unique<ListSource>(
                         2, std::vector<SourceEvent>{bodies_at(0, 0, 0), depth_at(0, 0, 0), bodies_at(0, 1, 0),
