@@ -119,7 +119,7 @@ void add_report(CLI::App& app, int& code) {
       "history of nights that `trilat gate` keeps: the last verdict and the errors by night lead");
   verb.add_flag("--paper", a.paper,
                 "judge the paper's claims by these results, and list its errata, on the page");
-  removed_option(verb, "--audit", "docs/explanation/paper.md has what the paper's own tables imply");
+  removed_option(verb, "--audit", "--paper judges what the paper's own tables imply, too");
   add_force(verb, a.force);
   add_json(verb, a.json);
 }
