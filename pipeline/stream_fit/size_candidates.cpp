@@ -119,9 +119,10 @@ std::optional<RatioJump> jump_of(const PointStream& subject, const std::vector<L
   return best;
 }
 
-// Root mean square about the mean, and distance of the mean from the origin.
+// Root mean square about the mean, and the mean.
 struct PointSpread {
-  double moves_m, from_origin_m;
+  double moves_m;
+  Eigen::Vector3d mean_m;
 };
 
 PointSpread spread_of(const PointStream& stream, std::size_t one, std::size_t other) {
@@ -134,8 +135,8 @@ PointSpread spread_of(const PointStream& stream, std::size_t one, std::size_t ot
     sum += at_m;
     squares_m2 += at_m.squaredNorm();
   }
-  if (count < 3.0) return {kNaN, kNaN};
-  return {std::sqrt(std::max(0.0, squares_m2 / count - (sum / count).squaredNorm())), (sum / count).norm()};
+  if (count < 3.0) return {kNaN, Eigen::Vector3d::Constant(kNaN)};
+  return {std::sqrt(std::max(0.0, squares_m2 / count - (sum / count).squaredNorm())), sum / count};
 }
 
 // A point in another unit than the rest.
@@ -152,7 +153,7 @@ void add_points(const StreamPair& pair, const std::vector<SizeChange>& of_all,
       candidates.push_back(of_all);
       candidates.back().push_back(size);
     };
-    add(subject.from_origin_m / reference.from_origin_m / all);
+    add(subject.mean_m.norm() / reference.mean_m.norm() / all);
     if (reference.moves_m > kMinMovement_m) add(subject.moves_m / reference.moves_m / all);
   }
 }
@@ -167,6 +168,36 @@ double extent_m(const PointStream& stream, int axis) {
   each([&](double m) { sum_m += m, count += 1.0; });
   each([&](double m) { off_m += std::abs(m - sum_m / count); });
   return off_m / count;
+}
+
+// Median distance of all points along an axis from their median: a point in another unit does not matter.
+double half_width_m(const PointStream& stream, int axis) {
+  constexpr std::size_t kMaxPositions = 20'000;
+  std::vector<double> along_m;
+  const std::size_t step = 1 + stream.at_m.size() / kMaxPositions;
+  for (std::size_t k = 0; k < stream.at_m.size(); k += step)
+    if (stream.at_m[k].allFinite()) along_m.push_back(stream.at_m[k][axis]);
+  if (along_m.empty()) return kNaN;
+  const double middle_m = median(along_m);
+  for (double& m : along_m) m = std::abs(m - middle_m);
+  return median(std::move(along_m));
+}
+
+// One axis on a scale of its own, as a depth that was guessed has it: the other two agree.
+void add_axis_scale(const StreamPair& pair, std::vector<std::vector<SizeChange>>& candidates) {
+  constexpr double kAgree = 0.1, kMinScale = 0.1;  // of a logarithm
+  constexpr double kMinWidth_m = 0.15;             // a person who stands is a few centimetres deep
+  std::array<double, 3> logs{};
+  for (int axis = 0; axis < 3; ++axis)
+    logs.at(static_cast<std::size_t>(axis)) =
+        std::log(half_width_m(pair.subject, axis) / half_width_m(pair.reference, axis));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double one = logs.at((axis + 1) % 3), other = logs.at((axis + 2) % 3);
+    const double scale = logs.at(axis) - 0.5 * (one + other);
+    const bool is_wide = half_width_m(pair.reference, static_cast<int>(axis)) > kMinWidth_m;
+    if (!is_wide || !(std::abs(one - other) < kAgree) || !(std::abs(scale) > kMinScale)) continue;
+    candidates.push_back({{.factor = std::exp(scale), .axis = static_cast<int>(axis)}});
+  }
 }
 
 // One or two axes in another unit than the rest.
@@ -217,11 +248,42 @@ std::vector<std::vector<SizeChange>> size_candidates(const StreamPair& pair) {
       add_ratio(subject.moves_m / reference.moves_m, of_all);
   }
   if (!of_all.empty()) candidates.push_back(of_all);
+  add_axis_scale(pair, candidates);
   if (pair.subject.points > 1) add_points(pair, of_all, candidates);
   constexpr std::size_t kMax = 6;
   candidates.resize(std::min(candidates.size(), kMax));
   return candidates;
 }
+
+namespace {
+
+// How constant the direction from one point to another is about y, of 1; NaN where it is not known.
+double steadiness(const PointStream& stream, std::size_t one, std::size_t other) {
+  double count = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < stream.instants(); ++i) {
+    const Eigen::Vector3d along_m = stream.at(i, other) - stream.at(i, one);
+    const Eigen::Vector2d level_m(along_m.x(), along_m.z());
+    if (!level_m.allFinite() || level_m.norm() == 0.0) continue;
+    sum += level_m.normalized();
+    count += 1.0;
+  }
+  return count < 3.0 ? kNaN : sum.norm() / count;
+}
+
+BodyRoot root_about(const StreamPair& pair, std::size_t one, std::size_t other, const PointSpread& reference,
+                    const PointSpread& subject) {
+  constexpr double kSameHeight_m = 0.2, kSteady = 0.98, kTurning = 0.9;
+  const double height_m = reference.mean_m.y();
+  return {.one = one,
+          .other = other,
+          .keeps_height =
+              std::abs(height_m) > kSameHeight_m && std::abs(subject.mean_m.y() - height_m) < kSameHeight_m,
+          .turns = steadiness(pair.subject, one, other) > kSteady &&
+                   steadiness(pair.reference, one, other) < kTurning};
+}
+
+}  // namespace
 
 std::vector<BodyRoot> root_candidates(const StreamPair& pair, const std::vector<std::size_t>& mirrored) {
   std::vector<std::pair<double, BodyRoot>> found;  // what of the reference's movement the subject has
@@ -232,7 +294,7 @@ std::vector<BodyRoot> root_candidates(const StreamPair& pair, const std::vector<
       const PointSpread subject = spread_of(pair.subject, j, other);
       if (!(reference.moves_m > kMinMovement_m)) continue;
       const double share = std::isnan(subject.moves_m) ? 0.0 : subject.moves_m / reference.moves_m;
-      if (share < kStaysWithin) found.emplace_back(share, BodyRoot{j, other});
+      if (share < kStaysWithin) found.emplace_back(share, root_about(pair, j, other, reference, subject));
     }
   }
   std::ranges::stable_sort(found, {}, &std::pair<double, BodyRoot>::first);

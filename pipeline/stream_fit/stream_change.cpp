@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "evaluators/alignment/alignment.h"
@@ -116,7 +117,7 @@ int parameters_of(const StreamChange& change) {
   if (change.has_stretch) count += 2;
   if ((causes_of(change) & kSidesCause) != 0) ++count;
   if (change.mirrored) ++count;
-  if (change.root) count += 3;
+  if (change.root) count += change.root->turns ? 4 : 3;
   return count;
 }
 
@@ -155,9 +156,14 @@ void ChangedPairs::look(std::size_t instant) {
       first_s + (pair_.reference.time_s(instant) - first_s - change_.start_s) / change_.stretch;
   pair_.subject.at_time(when_s, points_m_);
   undo_sizes(change_.sizes, when_s, points_m_);
-  if (change_.root)
-    root_m_ = 0.5 * (pair_.reference.at(instant, change_.root->one) +
-                     pair_.reference.at(instant, change_.root->other));
+  if (!change_.root) return;
+  const Eigen::Vector3d one_m = pair_.reference.at(instant, change_.root->one),
+                        other_m = pair_.reference.at(instant, change_.root->other), along_m = other_m - one_m;
+  root_m_ = 0.5 * (one_m + other_m);
+  if (change_.root->keeps_height) root_m_.y() = 0.0;
+  if (change_.root->turns)
+    body_from_world_ =
+        Eigen::AngleAxisd(std::atan2(along_m.z(), along_m.x()), Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
 
 TimeBlocks blocks_of(const StreamPair& pair) {

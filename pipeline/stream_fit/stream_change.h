@@ -37,6 +37,8 @@ enum class FrameChange : std::uint8_t {
 // where it is that point.
 struct BodyRoot {
   std::size_t one = 0, other = 0;
+  bool keeps_height = false;  // heights (y) are as they were
+  bool turns = false;         // the axes turn about y with the line from one point to the other
 };
 
 // Axes exchanged and turned round: the 24 matrices of determinant 1, or those of determinant -1.
@@ -128,7 +130,7 @@ class ChangedPairs {
     look(instant);
     for (std::size_t j = 0; j < points_m_.size(); ++j) {
       const Eigen::Vector3d& subject = points_m_[order_[j]];
-      const Eigen::Vector3d reference = pair_.reference.at(instant, j) - root_m_;
+      const Eigen::Vector3d reference = body_from_world_ * (pair_.reference.at(instant, j) - root_m_);
       if (subject.allFinite() && reference.allFinite()) visit_pair(j, reference, subject);
     }
   }
@@ -141,6 +143,7 @@ class ChangedPairs {
   std::vector<std::size_t> order_;
   std::vector<Eigen::Vector3d> points_m_;
   Eigen::Vector3d root_m_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d body_from_world_ = Eigen::Matrix3d::Identity();
 };
 
 // Errors of a change by blocks of time, each judged with frame and offsets fitted to every second one of the

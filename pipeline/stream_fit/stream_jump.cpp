@@ -174,8 +174,42 @@ std::optional<PartChange> find_part_change(const StreamPair& pair, const std::ve
   return best;
 }
 
+std::optional<double> find_own_places(const StreamPair& pair, double before_m) {
+  constexpr double kMaxLeft_m = 0.1, kOfMovement = 0.5;
+  struct Place {
+    std::vector<Eigen::Vector3d> reference_m, subject_m;
+  };
+  std::vector<Place> places(pair.reference.points);
+  const StreamChange none;
+  ChangedPairs pairs(pair, none);
+  for (std::size_t i = 0; i < pair.reference.instants(); ++i)
+    pairs.visit(i, [&](std::size_t j, const Eigen::Vector3d& reference, const Eigen::Vector3d& subject) {
+      places[j].reference_m.push_back(reference);
+      places[j].subject_m.push_back(subject);
+    });
+  double count = 0.0, after_m = 0.0, moves_m = 0.0;
+  for (const Place& place : places) {
+    const std::size_t instants = place.reference_m.size();
+    Eigen::Vector3d of_reference_m = Eigen::Vector3d::Zero(), of_subject_m = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < instants; ++i) {
+      of_reference_m += place.reference_m[i] / static_cast<double>(instants);
+      of_subject_m += place.subject_m[i] / static_cast<double>(instants);
+    }
+    for (std::size_t i = 0; i < instants; ++i) {
+      const Eigen::Vector3d moved_m = place.reference_m[i] - of_reference_m;
+      moves_m += moved_m.norm();
+      after_m += (moved_m - place.subject_m[i] + of_subject_m).norm();
+      count += 1.0;
+    }
+  }
+  after_m /= count;
+  moves_m /= count;
+  if (!(after_m < std::min({kExplained * before_m, kMaxLeft_m, kOfMovement * moves_m}))) return std::nullopt;
+  return after_m;
+}
+
 std::optional<FrameDrift> find_frame_drift(const StreamPair& pair) {
-  constexpr double kExplainedDrift = 0.7, kMinGain_m = 0.035, kMaxLeft_m = 0.1;
+  constexpr double kExplainedDrift = 0.6, kMinGain_m = 0.025, kMaxLeft_m = 0.08;
   const TimeBlocks blocks = blocks_of(pair);
   const std::vector<Piece> pieces = pieces_of(pair, blocks);
   if (pieces.size() < kMinJudgedBlocks) return std::nullopt;

@@ -44,8 +44,13 @@ struct FrameDrift {
   double after_m = 0.0;  // mean distance between the streams with a frame of its own for each piece
 };
 
-// A drift that explains what one frame for all does not: piece by piece the mean distance is 0.7 of that or
-// less, 3.5 cm smaller, and below 10 cm. Frames are fitted to every second instant and judged on the others.
+// A drift that explains what one frame for all does not: piece by piece the mean distance is 0.6 of that or
+// less, 2.5 cm smaller, and below 8 cm. Frames are fitted to every second instant and judged on the others.
 std::optional<FrameDrift> find_frame_drift(const StreamPair& pair);
+
+// Mean distance of the streams when each point is held against its own mean place, where that explains what a
+// constant pose does not: it is a third of `before_m` or less, below 10 cm, and half of what the points of
+// the reference move or less.
+std::optional<double> find_own_places(const StreamPair& pair, double before_m);
 
 }  // namespace trilat

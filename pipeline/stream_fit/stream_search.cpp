@@ -201,13 +201,15 @@ class ChangeSearch {
   // Orders of points under which leading changes leave clearly less: exchanged sides, or any two points.
   std::set<Order> exchanges() const {
     std::set<Order> found;
+    const auto look_at_change = [&](const StreamChange& change, const Order& order) {
+      if (Order other = exchanged(change, order); std::ranges::find(orders_, other) == orders_.end())
+        found.insert(std::move(other));
+    };
+    look_at_change(no_change(options_), orders_.front());
     std::size_t looked = 0;
     for (const auto& [rms_m, of] : ranked()) {
       if (looked++ == kExchangesFrom) break;
-      const StreamChange& change = classes_.at(of).front().change;
-      if (Order order = exchanged(change, orders_[of.order]);
-          std::ranges::find(orders_, order) == orders_.end())
-        found.insert(std::move(order));
+      look_at_change(classes_.at(of).front().change, orders_[of.order]);
     }
     return found;
   }
@@ -256,7 +258,36 @@ class ChangeSearch {
       if (mirrored_[j] > j) try_exchange(j, mirrored_[j]);
     for (std::size_t j = 0; j < points; ++j)
       for (std::size_t k = j + 1; k < points; ++k) try_exchange(j, k);
-    return order;
+    return nearest(std::move(order), distance_m);
+  }
+
+  // The order in which each point of the reference has the subject's nearest that is left, where that leaves
+  // clearly less; else the same.
+  template <class Distance>
+  Order nearest(Order order, const Distance& distance_m) const {
+    constexpr double kClearlyLess = 0.5;
+    struct Match {
+      double m;
+      std::size_t of_reference, of_subject;
+    };
+    std::vector<Match> matches;
+    double now_m = 0.0, then_m = 0.0;
+    for (std::size_t j = 0; j < order.size(); ++j)
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        matches.push_back({distance_m(j, k), j, k});
+        if (order[j] == k) now_m += matches.back().m;
+      }
+    std::ranges::stable_sort(matches, {}, &Match::m);
+    Order found(order.size(), order.size());
+    std::vector<bool> taken(order.size(), false);
+    for (const Match& match : matches) {
+      if (found[match.of_reference] < order.size() || taken[match.of_subject]) continue;
+      found[match.of_reference] = match.of_subject;
+      taken[match.of_subject] = true;
+      then_m += match.m;
+    }
+    const bool is_far = now_m > kExchangedPoint_m * static_cast<double>(order.size());
+    return is_far && then_m < kClearlyLess * now_m ? found : order;
   }
 
   double rms_of(const StreamChange& change) const {
@@ -320,6 +351,7 @@ class ChangeSearch {
       return false;
     if (change.frame == FrameChange::shifted && change.shift_m.norm() < kMinShift_m) return false;
     return change.frame != FrameChange::turned || change.mirrored || options_.any_frame ||
+           (change.root && change.root->turns) ||
            std::acos(std::clamp(0.5 * (change.rotation.trace() - 1.0), -1.0, 1.0)) > kMinTurn_rad;
   }
 

@@ -65,11 +65,41 @@ CauseText rate_text(const StreamChange& change, const StreamWords& words) {
   return {fmt::format("runs {:.3g} times as fast as {}", stretch, words.reference), remedy};
 }
 
+// The points that a change exchanges, in pairs, or "left and right"; of points that change places in a larger
+// circle "neck is head, head is spine_mid and 3 more".
+struct NamesText {
+  std::string text;
+  bool is_exchange = true;
+};
+
+NamesText names_text(const StreamChange& change, const std::vector<std::string>& names) {
+  constexpr std::size_t kMaxNames = 4;
+  std::vector<std::string> pairs, renamed;
+  const std::vector<std::size_t> mirrored = mirrored_points(names);
+  bool is_all = true, any_side = false, is_exchange = true;
+  for (std::size_t j = 0; j < change.order.size(); ++j) {
+    const std::size_t other = change.order[j];
+    if (other > j) pairs.push_back(names[j] + " and " + names[other]);
+    if (other != j) renamed.push_back(names[other] + " is " + names[j]);
+    is_all &= other == mirrored[j];
+    any_side |= mirrored[j] != j;
+    is_exchange &= change.order[other] == j;
+  }
+  if (is_all && any_side && pairs.size() > 1) return {kBothSides};
+  if (is_exchange) return {fmt::format("{}", fmt::join(pairs, ", "))};
+  const std::size_t more = renamed.size() - std::min(kMaxNames, renamed.size());
+  renamed.resize(renamed.size() - more);
+  return {fmt::format("{}{}", fmt::join(renamed, ", "), more > 0 ? fmt::format(" and {} more", more) : ""),
+          false};
+}
+
 CauseText sides_text(const StreamChange& change, const StreamWords& words) {
-  const std::string pairs = exchanged_text(change, words.names);
-  return {fmt::format("has {} exchanged", pairs),
-          fmt::format("exchange {}, or say so under \"mapping\"",
-                      pairs == kBothSides ? "the names of both sides" : "these names")};
+  const NamesText names = names_text(change, words.names);
+  return {order_text(change, words.names),
+          fmt::format("{}, or say so under \"mapping\"", !names.is_exchange ? "name them so"
+                                                         : names.text == kBothSides
+                                                             ? "exchange the names of both sides"
+                                                             : "exchange these names")};
 }
 
 std::string turn_text(const Eigen::Matrix3d& rotation) {
@@ -115,8 +145,11 @@ CauseText root_text(const StreamChange& change, const StreamWords& words) {
       root.one == root.other
           ? words.names[root.one]
           : fmt::format("the middle of {} and {}", words.names[root.one], words.names[root.other]);
-  return {fmt::format("gives positions relative to {}", name),
-          "add where that was, or give both files relative to it"};
+  return {
+      fmt::format("gives positions relative to {}{}{}", name, root.keeps_height ? ", but for heights" : "",
+                  root.turns ? ", in axes that turn with the body" : ""),
+      root.turns ? "turn them back and add where that was, or give both files so"
+                 : "add where that was, or give both files relative to it"};
 }
 
 std::vector<CauseText> texts_of(const StreamChange& change, const StreamWords& words) {
@@ -127,7 +160,8 @@ std::vector<CauseText> texts_of(const StreamChange& change, const StreamWords& w
   if (change.has_start && std::abs(change.start_s) > 0.01) texts.push_back(start_text(change, words));
   if ((causes & kSidesCause) != 0) texts.push_back(sides_text(change, words));
   if (change.root) texts.push_back(root_text(change, words));
-  if (change.frame != FrameChange::none) texts.push_back(frame_text(change, words));
+  const bool is_of_body = change.root && change.root->turns && !change.mirrored;
+  if (change.frame != FrameChange::none && !is_of_body) texts.push_back(frame_text(change, words));
   return texts;
 }
 
@@ -187,17 +221,10 @@ std::string axes_text(const Eigen::Matrix3d& axes) {
   return text + ")";
 }
 
-std::string exchanged_text(const StreamChange& change, const std::vector<std::string>& names) {
-  std::vector<std::string> pairs;
-  const std::vector<std::size_t> mirrored = mirrored_points(names);
-  bool is_all = true, any_side = false;
-  for (std::size_t j = 0; j < change.order.size(); ++j) {
-    if (change.order[j] > j) pairs.push_back(names[j] + " and " + names[change.order[j]]);
-    is_all &= change.order[j] == mirrored[j];
-    any_side |= mirrored[j] != j;
-  }
-  if (is_all && any_side && pairs.size() > 1) return kBothSides;
-  return fmt::format("{}", fmt::join(pairs, ", "));
+std::string order_text(const StreamChange& change, const std::vector<std::string>& names) {
+  const NamesText found = names_text(change, names);
+  return found.is_exchange ? fmt::format("has {} exchanged", found.text)
+                           : fmt::format("has points under the names of others: {}", found.text);
 }
 
 std::string stream_note(const StreamFit& fit, const StreamWords& words) {
@@ -261,6 +288,14 @@ std::string part_note(const PartChange& part, double before_m, const StreamWords
       part.is_later ? "from" : "until", part.at_s, part.is_later ? " on" : "",
       joined(texts_of(part.change, words), &CauseText::what, ", and "), words.reference,
       kCentimetresPerMetre * before_m, kCentimetresPerMetre * part.after_m);
+}
+
+std::string own_places_note(double after_m, double before_m, const StreamWords& words) {
+  return fmt::format(
+      "differs from {} by a constant of each point, as displacements from a mean or a first place do: "
+      "without "
+      "them its mean distance falls from {:.1f} to {:.1f} cm. Compare it under the alignment \"mean\"",
+      words.reference, kCentimetresPerMetre * before_m, kCentimetresPerMetre * after_m);
 }
 
 std::string drift_note(const FrameDrift& drift, double before_m, const StreamWords& words) {

@@ -22,8 +22,8 @@ std::string factor_text(const SizeChange& size);
 const char* unit_text(const SizeChange& size);
 // "(x, z, -y)" for a matrix of signed axes.
 std::string axes_text(const Eigen::Matrix3d& axes);
-// The points that a change exchanges, in pairs, or "left and right".
-std::string exchanged_text(const StreamChange& change, const std::vector<std::string>& names);
+// "has left and right exchanged", or which points stand under the names of others.
+std::string order_text(const StreamChange& change, const std::vector<std::string>& names);
 
 // The note on a fit: each cause with its size, the mean distance before and after it was applied, and how to
 // apply it; empty for a sound subject. Changes that are not told apart are listed without a remedy.
@@ -32,6 +32,8 @@ std::string stream_note(const StreamFit& fit, const StreamWords& words);
 std::string jump_note(const ClockJump& jump, double before_m, const StreamWords& words);
 // The note on a change in a part.
 std::string part_note(const PartChange& part, double before_m, const StreamWords& words);
+// The note on points that differ by a constant each.
+std::string own_places_note(double after_m, double before_m, const StreamWords& words);
 // The note on a frame that moves.
 std::string drift_note(const FrameDrift& drift, double before_m, const StreamWords& words);
 

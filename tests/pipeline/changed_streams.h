@@ -43,6 +43,10 @@ enum class Change {
   mirror,
   axes,
   root,
+  level_root,
+  body_frame,
+  axis_scale,
+  one_name_off,
   flat,
   other_person
 };
@@ -71,6 +75,10 @@ inline constexpr std::array kChangeKinds{ChangeKind{"none", 0},
                                          ChangeKind{"mirror", kMirrorCause},
                                          ChangeKind{"axes", kTurnCause},
                                          ChangeKind{"relative to a point", kRootCause},
+                                         ChangeKind{"relative to a point, but for heights", kRootCause},
+                                         ChangeKind{"in the body's axes", kRootCause},
+                                         ChangeKind{"scale of an axis", kAxisSizeCause},
+                                         ChangeKind{"names one place off", kSidesCause},
                                          ChangeKind{"flat", 0},
                                          ChangeKind{"other person", 0}};
 inline const ChangeKind& kind_of(Change change) { return kChangeKinds.at(static_cast<std::size_t>(change)); }
@@ -157,6 +165,7 @@ class ChangedStreamMaker {
     if (has(Change::legs)) exchange(9, 15);
     if (has(Change::knees)) exchange(11, 13);
     if (has(Change::neighbours)) std::swap(order[5], order[7]);
+    if (has(Change::one_name_off)) std::ranges::rotate(order, order.begin() + 1);
     Motion motion = motion_;
     if (has(Change::other_person))
       motion_ = generated_motion(draw_person(99, 5, 1.7, 0.17), Activity::walk_and_stop);
@@ -171,12 +180,17 @@ class ChangedStreamMaker {
         at_m[j] +=
             turn * offset_in_body_m_[j] + drift[j] + 0.004 * Eigen::Vector3d(normal(), normal(), normal());
       }
-      const Eigen::Vector3d root_m = has(Change::root) ? at_m[0] : Eigen::Vector3d::Zero();
+      Eigen::Vector3d root_m = Eigen::Vector3d::Zero();
+      if (has(Change::root) || has(Change::body_frame)) root_m = at_m[0];
+      if (has(Change::level_root)) root_m = {at_m[0].x(), 0.0, at_m[0].z()};
+      if (has(Change::body_frame)) rotation = turn.transpose();
       for (std::size_t j = 0; j < points; ++j) {
         Eigen::Vector3d p = factor * (rotation * (at_m[order[j]] - root_m) + shift_m);
         if (has(Change::point_unit) && j == wrist) p *= 0.1;
         if (has(Change::later_unit) && i >= from) p *= 0.1;
         if (has(Change::axis_unit)) p[axis] *= 100.0;
+        // who stays in place is wide along y alone
+        if (has(Change::axis_scale)) p[activity_ == "walking" ? axis : 1] *= from % 2 == 0 ? 1.5 : 0.6;
         if (has(Change::flat)) p.z() = 0.0;
         streams.subject.at_m.push_back(p);
       }

@@ -53,6 +53,9 @@ class Compared(ScratchTest):
         library.write_joints(self.folder / name, times, {key: change(np.array(value), key) for key, value in self.truth.items()})
         return self.folder / name
 
+    def late(self, key, late_s):
+        return np.stack([np.interp(self.time_s - late_s, self.time_s, self.truth[key][:, axis]) for axis in range(3)], axis=1)
+
     def compared(self, *files, code=0, more=()):
         return trilat("compare", self.folder / "truth.csv", *files, "-o", self.folder / "results", "--force", *more, code=code)
 
@@ -146,7 +149,17 @@ class Compare(Compared):
                      (lambda at, key: at * np.where(half, 1, 0.01), t, "is 0.01 times as large until 3.99 s, as metres taken for centimetres")),
             "relative": ((lambda at, key: at - self.truth["head"], t, "gives positions relative to head"),
                          (lambda at, key: at - (self.truth["ankle_left"] + self.truth["ankle_right"]) / 2, t,
-                          "gives positions relative to the middle of ankle_left and ankle_right")),
+                          "gives positions relative to the middle of ankle_left and ankle_right"),
+                         (lambda at, key: at - self.truth["head"] * [1, 0, 1], t, "gives positions relative to head, but for heights"),
+                         (lambda at, key: at - at.mean(axis=0), t, "a constant of each point, .* falls from \\S+ to 0.0 cm.*\"mean\""),
+                         (lambda at, key: at - at[0], t, "a constant of each point, .*first place")),
+            "one axis": ((lambda at, key: at * [1, 1.25, 1], t, "has y 1.2\\d times as large as the truth: .*Divide its y by 1.2"),
+                         (lambda at, key: at * [1, 1, 0.5], t, "has z 0.\\d+ times as large as the truth")),
+            "names one place off": ((lambda at, key: self.truth[NAMES[NAMES.index(key) - 1]], t, "has points under the names of others: knee_left is head"),
+                                    (lambda at, key: self.truth[NAMES[(NAMES.index(key) + 2) % 6]], t, "has points under the names of others:")),
+            "one point": ((lambda at, key: self.late(key, 0.3) if key == "head" else at, t, "has head .* \\(0.30 s later than the others: 0 cm\\)"),
+                          (lambda at, key: self.late(key, -0.25) if key == "ankle_left" else at, t, "has ankle_left .* \\(0.25 s earlier than the others")),
+            "bursts": ((as_it_is, np.floor(t * 5) / 5 + 1e-3 * (np.arange(FRAMES) % 10), "its times come in bursts"),),
             "flat": ((lambda at, key: at * [1, 1, 0], t, "has the same z in every row"),
                      (lambda at, key: at * [1, 0, 1] + [0, 1, 0], t, "has the same y in every row"))}
         noise, tried = np.random.default_rng(4), 0
@@ -158,7 +171,7 @@ class Compare(Compared):
                                          code=1 if "40.00" in words else 0)
                     self.assertRegex(said, f"note: {name}: .*{words}")
                     tried += 1
-        self.assertEqual(tried, 22)
+        self.assertEqual(tried, 32)
 
     def test_a_clock_that_jumps_once_is_named_with_the_time_that_puts_it_right(self):
         self.time_s, self.truth = walk(frames=1500)

@@ -49,6 +49,22 @@ PointStream external_stream(const Plan& plan, const ExternalTrack& external) {
   return stream;
 }
 
+// Of frames that were stamped together, some at a time; else empty.
+std::string burst_text(const std::vector<MocapTime>& time) {
+  constexpr double kInBurst = 0.2;  // of the mean step
+  if (time.size() < 3) return {};
+  std::vector<double> steps_s;
+  for (std::size_t k = 1; k < time.size(); ++k) steps_s.push_back((time[k] - time[k - 1]).seconds());
+  const double mean_s = (time.back() - time.front()).seconds() / static_cast<double>(steps_s.size());
+  const double median_s = upper_median(std::move(steps_s));
+  if (!(median_s < kInBurst * mean_s)) return {};
+  return fmt::format(
+      "; its times come in bursts (half of its steps are {:.3g} ms, at {:.3g} ms in the mean), as where "
+      "frames "
+      "are stamped when they arrive: write when each was taken",
+      1e3 * median_s, 1e3 * mean_s);
+}
+
 // Reports a file that begins late or ends early, and positions that are missing in between.
 std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, const ExternalTrack& external) {
   std::vector<std::string> texts;
@@ -79,7 +95,7 @@ std::vector<std::string> hole_texts(const Plan& plan, const PointPath* truth, co
         "has no position for {:.0f} % of what is asked for within its time{}",
         100.0 * static_cast<double>(missing) / static_cast<double>(asked),
         gap == time.end()
-            ? ""
+            ? burst_text(time)
             : fmt::format("; no frame follows that of {:.2f} s for {:.2f} s",
                           begins_s + (*gap - MocapTime{}).seconds(), (gap[1] - gap[0]).seconds())));
   return texts;
@@ -133,10 +149,56 @@ double median_m(const std::vector<Distance>& distances) {
   return upper_median(std::move(all_m));
 }
 
+// Median distance of a point of the subject from one of the reference, with a change and so much later.
+double point_m(const StreamPair& pair, const StreamChange& change, std::size_t of_subject,
+               std::size_t of_reference, double later_s) {
+  constexpr std::size_t kMaxInstants = 400;
+  StreamChange moved = change;
+  moved.start_s -= later_s;
+  moved.order.clear();
+  std::vector<double> all_m;
+  ChangedPairs pairs(pair, moved);
+  const std::size_t step = 1 + pair.reference.instants() / kMaxInstants;
+  for (std::size_t i = 0; i < pair.reference.instants(); i += step) {
+    Eigen::Vector3d reference_m = Eigen::Vector3d::Constant(kNaN), subject_m = reference_m;
+    pairs.visit(i, [&](std::size_t j, const Eigen::Vector3d& reference, const Eigen::Vector3d& subject) {
+      if (j == of_reference) reference_m = reference;
+      if (j == of_subject) subject_m = subject;
+    });
+    if (const double m = (reference_m - change.rotation * subject_m - change.shift_m).norm();
+        std::isfinite(m))
+      all_m.push_back(m);
+  }
+  return all_m.empty() ? kNaN : upper_median(std::move(all_m));
+}
+
+// Why one point is so far off: it is another one, or late. Empty where that is not known.
+std::string point_cause(const StreamPair& pair, const StreamChange& change, std::size_t point, double off_m,
+                        const std::vector<std::string>& names) {
+  constexpr double kExplained = 0.4, kStep_s = 0.05, kMaxLate_s = 0.5;
+  double least_m = kExplained * off_m;
+  const std::size_t of_subject = change.order.empty() ? point : change.order[point];
+  std::string text;
+  const auto try_as = [&](std::size_t of_reference, double later_s, const auto& text_of) {
+    const double m = point_m(pair, change, of_subject, of_reference, later_s);
+    if (!(m < least_m)) return;
+    least_m = m;
+    text = fmt::format("{}: {:.0f} cm", text_of(), kCentimetresPerMetre * m);
+  };
+  for (std::size_t other = 0; other < names.size(); ++other)
+    if (other != point) try_as(other, 0.0, [&] { return fmt::format(" (where {} is", names[other]); });
+  for (double late_s = kStep_s; late_s < kMaxLate_s + kStep_s / 2.0; late_s += kStep_s)
+    for (const double later_s : {late_s, -late_s})
+      try_as(point, later_s, [&] {
+        return fmt::format(" ({:.2f} s {} than the others", late_s, later_s > 0.0 ? "later" : "earlier");
+      });
+  return text.empty() ? text : text + ")";
+}
+
 // Points that lie much farther off than the others.
-std::string point_text(const std::vector<std::vector<Distance>>& distances, const StreamFit& fit,
-                       const std::vector<std::string>& names) {
-  constexpr double kMinOff_m = 0.2, kTimes = 4.0;
+std::string point_text(const StreamPair& pair, const std::vector<std::vector<Distance>>& distances,
+                       const StreamFit& fit, const std::vector<std::string>& names) {
+  constexpr double kMinOff_m = 0.2, kTimes = 4.0, kMinCausedOff_m = 0.08, kCausedTimes = 2.0;
   constexpr double kSound_m = 0.1;  // of half the points, where the others are all that is wrong
   constexpr std::size_t kMinPoints = 4;
   std::vector<double> of_point_m, known_m;
@@ -145,16 +207,21 @@ std::string point_text(const std::vector<std::vector<Distance>>& distances, cons
   if (known_m.size() < kMinPoints) return {};
   const double half_m = upper_median(known_m);
   if (fit.status == StreamFitStatus::unexplained && (half_m > kSound_m || !fit.changes.empty())) return {};
+  const StreamChange change = fit.changes.empty() ? StreamChange{} : fit.changes.front();
   std::vector<std::string> far;
-  for (std::size_t j = 0; j < names.size(); ++j)
-    if (of_point_m[j] > std::max(kMinOff_m, kTimes * half_m))
-      far.push_back(fmt::format("{} {:.0f} cm", names[j], kCentimetresPerMetre * of_point_m[j]));
+  bool is_explained = true;
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (!(of_point_m[j] > std::max(kMinCausedOff_m, kCausedTimes * half_m))) continue;
+    const std::string cause = point_cause(pair, change, j, of_point_m[j], names);
+    if (cause.empty() && !(of_point_m[j] > std::max(kMinOff_m, kTimes * half_m))) continue;
+    is_explained &= !cause.empty();
+    far.push_back(fmt::format("{} {:.0f} cm{}", names[j], kCentimetresPerMetre * of_point_m[j], cause));
+  }
   if (far.empty()) return {};
-  return fmt::format(
-      "has {} from the truth{}, and half of its points less than {:.1f} cm; does the name stand for another "
-      "point, or are its axes others?",
-      fmt::join(far, ", "), fit.changes.empty() ? "" : " when it is put right",
-      kCentimetresPerMetre * half_m);
+  return fmt::format("has {} from the truth{}, and half of its points less than {:.1f} cm{}",
+                     fmt::join(far, ", "), fit.changes.empty() ? "" : " when it is put right",
+                     kCentimetresPerMetre * half_m,
+                     is_explained ? "" : "; does the name stand for another point, or are its axes others?");
 }
 
 // Few positions that make much of the mean error.
@@ -200,8 +267,13 @@ bool is_uneven(const StreamFit& fit) {
 std::string fit_text(const StreamPair& pair, const std::vector<std::size_t>& mirrored,
                      const StreamFitOptions& options, const StreamFit& fit, const StreamWords& words) {
   const bool is_unexplained = fit.status == StreamFitStatus::unexplained;
+  if (fit.status == StreamFitStatus::found &&
+      (causes_of(fit.changes.front()) & ~unsigned{kShiftCause | kTurnCause}) == 0)
+    if (const auto drift = find_frame_drift(pair)) return drift_note(*drift, fit.before_m, words);
   if (!is_unexplained && !(fit.status == StreamFitStatus::sound && is_uneven(fit)))
     return stream_note(fit, words);
+  if (const auto after_m = find_own_places(pair, fit.before_m); is_unexplained && after_m)
+    return own_places_note(*after_m, fit.before_m, words);
   const auto jump = is_unexplained ? find_clock_jump(pair, mirrored, options, fit.before_m) : std::nullopt;
   const double most_left_m = fit.before_m / (is_unexplained ? 3.0 : 2.0);
   const auto part = find_part_change(pair, mirrored, options, most_left_m);
@@ -241,7 +313,7 @@ std::vector<TakeNote> check_external(const Plan& plan, const PlannedTake& planne
   if (is_applied) external.offset_s = fit.changes.front().start_s;
   const StreamWords words{.names = plan.names, .clock_is_applied = is_applied};
   const auto distances = distances_of({reference, subject}, fit);
-  const std::string points = point_text(distances, fit, plan.names);
+  const std::string points = point_text({reference, subject}, distances, fit, plan.names);
   if (points.empty() || fit.status != StreamFitStatus::unexplained)
     note(fit_text({reference, subject}, mirrored, options, fit, words));
   for (std::string& text : copy_texts({reference, subject}, plan.names)) note(std::move(text));

@@ -169,7 +169,7 @@ class TruthChecker {
       remedies.emplace_back("export it with right-handed axes");
     }
     if ((causes & kSidesCause) != 0) {
-      what.push_back("has " + exchanged_text(change, names_) + " exchanged, it seems");
+      what.push_back(order_text(change, names_) + ", it seems");
       remedies.emplace_back("mend the mapping");
     }
     note(causes == kSidesCause ? planned_.take.mapping : planned_.take.mocap,
