@@ -293,10 +293,6 @@ struct Store {
                            encode_depth_frame(frame.stamp, frame.depth_mm, options.depth_compression));
     ++summary.depth_frames;
   }
-  void operator()(const EncodedDepthFrame& frame) {
-    writer.add_depth_frame(sensor, frame);
-    ++summary.depth_frames;
-  }
   void operator()(const SourceNotice&) {}
   void operator()(const ClockExchange& exchange) { writer.add_clock_exchange(sensor, exchange); }
   void operator()(const DropCount& count) { writer.add_drop_count(sensor, count); }

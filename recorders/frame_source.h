@@ -27,11 +27,10 @@ struct SourceNotice {
   std::string text;
 };
 
-// One thing a source delivers, in the order of arrival. Depth comes as pixels, or already compressed by
-// encode_depth_frame() where that was done far away.
+// One thing a source delivers, in the order of arrival.
 struct SourceEvent {
   std::size_t sensor = 0;
-  std::variant<BodyFrame, DepthFrame, EncodedDepthFrame, ClockExchange, DropCount, SourceNotice> data;
+  std::variant<BodyFrame, DepthFrame, ClockExchange, DropCount, SourceNotice> data;
 };
 
 // True for a depth frame that is not whole.

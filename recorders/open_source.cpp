@@ -230,7 +230,6 @@ namespace {
 FrameStamp* stamp_of(SourceEvent& event) {
   if (auto* frame = std::get_if<BodyFrame>(&event.data)) return &frame->stamp;
   if (auto* frame = std::get_if<DepthFrame>(&event.data)) return &frame->stamp;
-  if (auto* frame = std::get_if<EncodedDepthFrame>(&event.data)) return &frame->stamp;
   return nullptr;
 }
 

@@ -17,14 +17,10 @@ std::size_t bytes_of(const SourceEvent& event) {
   if (const auto* bodies = std::get_if<BodyFrame>(&event.data))
     return sizeof(SourceEvent) + bodies->bodies.size() * sizeof(Body);
   if (const auto* depth = std::get_if<DepthFrame>(&event.data)) return depth->depth_mm.size() * 2;
-  if (const auto* depth = std::get_if<EncodedDepthFrame>(&event.data)) return depth->chunk.size();
   return sizeof(SourceEvent);
 }
 
-bool is_depth(const SourceEvent& event) {
-  return std::holds_alternative<DepthFrame>(event.data) ||
-         std::holds_alternative<EncodedDepthFrame>(event.data);
-}
+bool is_depth(const SourceEvent& event) { return std::holds_alternative<DepthFrame>(event.data); }
 
 std::string seconds_text(double seconds) {
   char text[32];
@@ -35,7 +31,6 @@ std::string seconds_text(double seconds) {
 const FrameStamp* stamp_of(const SourceEvent& event) {
   if (const auto* frame = std::get_if<BodyFrame>(&event.data)) return &frame->stamp;
   if (const auto* frame = std::get_if<DepthFrame>(&event.data)) return &frame->stamp;
-  if (const auto* frame = std::get_if<EncodedDepthFrame>(&event.data)) return &frame->stamp;
   return nullptr;
 }
 
@@ -165,7 +160,6 @@ bool Spool::arrived(Sensor& sensor, const SourceEvent& event, std::vector<std::s
   if (const auto* exchange = std::get_if<ClockExchange>(&event.data)) return is_plausible(*exchange);
   if (const auto* count = std::get_if<DropCount>(&event.data)) {
     sensor.counted_at_source = count->at_source;
-    sensor.lost_on_the_way = count->in_queue;
     return false;  // look_after() stores it with what is lost here
   }
   const FrameStamp* stamp = stamp_of(event);
@@ -241,9 +235,6 @@ void Spool::store(std::size_t s, SourceEvent event) {
     stored(sensor.bodies);
     const std::lock_guard lock(mutex_);
     sensor.newest_bodies = *frame;
-  } else if (auto* encoded = std::get_if<EncodedDepthFrame>(&event.data)) {
-    append(s, std::move(*encoded));
-    stored(sensor.depth);
   } else if (const auto* raw = std::get_if<DepthFrame>(&event.data)) {
     try {
       append(s, encode_depth_frame(raw->stamp, raw->depth_mm, quickest_compression()));
@@ -295,7 +286,7 @@ void Spool::look_after() {
       }
       const DropCount count{host_now_ns(),
                             std::max(sensor.counted_at_source, sensor.bodies.missing + sensor.depth.missing),
-                            sensor.dropped + sensor.lost_on_the_way};
+                            sensor.dropped};
       if (count.at_source == sensor.stored_drops.at_source && count.in_queue == sensor.stored_drops.in_queue)
         continue;
       sensor.stored_drops = count;

@@ -89,7 +89,7 @@ class Spool {
     bool is_live = false, has_ended = false;
     Stream bodies, depth;
     std::deque<SourceEvent> waiting{};
-    std::int64_t dropped = 0, counted_at_source = 0, lost_on_the_way = 0;
+    std::int64_t dropped = 0, counted_at_source = 0;
     DropCount stored_drops{};
     std::optional<BodyFrame> newest_bodies{};
   };

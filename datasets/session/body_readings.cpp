@@ -60,8 +60,8 @@ struct OtherUnit {
 constexpr std::array kOtherUnits{OtherUnit{"millimetres", 1000.0}, OtherUnit{"centimetres", 100.0}};
 
 // Joints along the spine: the lower one is nearer to where it begins. A tracker's drift makes spine_shoulder
-// and neck, 8 cm apart, change places by a centimetre or two.
-constexpr double kClearly_m = 0.04;
+// and neck, 8 cm apart, change places by some centimetres.
+constexpr double kClearly_m = 0.06;
 struct SpineOrder {
   Joint from, lower, upper;
 };
@@ -242,16 +242,21 @@ std::optional<double> JointFaults::odd_size() const {
 }
 
 std::optional<std::string> JointFaults::too_long_text() const {
-  constexpr std::size_t kMinBones = 6;  // of hidden limbs up to 4 are too long
+  // Of hidden limbs up to 7 are too long, and three of them much.
+  constexpr std::size_t kMinBones = 6, kMinMuch = 4;
+  constexpr double kMuch = 1.5;
   constexpr std::size_t kMaxNamed = 3;
   std::vector<std::string> bones;
+  std::size_t much = 0;
   for (std::size_t b = 0; b < kBones.size(); ++b) {
     const double length_m = median_length_m(b);
-    if (const double most_m = kMaxBone_m[static_cast<std::size_t>(kBones[b].child)]; length_m > most_m)
-      bones.push_back(fmt::format("{} to {} {:.2f} m, at most {:.2f}", name_of(kBones[b].parent),
-                                  name_of(kBones[b].child), length_m, most_m));
+    const double most_m = kMaxBone_m[static_cast<std::size_t>(kBones[b].child)];
+    if (!(length_m > most_m)) continue;
+    much += length_m > kMuch * most_m ? 1 : 0;
+    bones.push_back(fmt::format("{} to {} {:.2f} m, at most {:.2f}", name_of(kBones[b].parent),
+                                name_of(kBones[b].child), length_m, most_m));
   }
-  if (bones.size() < kMinBones) return std::nullopt;
+  if (bones.size() < kMinBones || much < kMinMuch) return std::nullopt;
   return fmt::format(
       "{} of {} bones are longer than those of a person ({}{}); are the joints in the order of a Kinect v2?",
       bones.size(), kBones.size(), fmt::join(std::span(bones).first(std::min(kMaxNamed, bones.size())), "; "),

@@ -183,20 +183,26 @@ double half_width_m(const PointStream& stream, int axis) {
   return median(std::move(along_m));
 }
 
-// One axis on a scale of its own, as a depth that was guessed has it: the other two agree.
+// One axis on a scale of its own, as a depth that was guessed has it. The others agree, where they are wide.
 void add_axis_scale(const StreamPair& pair, std::vector<std::vector<SizeChange>>& candidates) {
   constexpr double kAgree = 0.1, kMinScale = 0.1;  // of a logarithm
   constexpr double kMinWidth_m = 0.15;             // a person who stands is a few centimetres deep
-  std::array<double, 3> logs{};
+  constexpr double kMinPath_m = 0.1;
+  bool moves = false;  // else an axis and the whole are not told apart
+  for (std::size_t j = 0; j < pair.reference.points; ++j)
+    moves |= spread_of(pair.reference, j, j).moves_m > kMinPath_m;
+  if (!moves) return;
+  std::array<std::optional<double>, 3> logs;
   for (int axis = 0; axis < 3; ++axis)
-    logs.at(static_cast<std::size_t>(axis)) =
-        std::log(half_width_m(pair.subject, axis) / half_width_m(pair.reference, axis));
+    if (const double reference_m = half_width_m(pair.reference, axis); reference_m > kMinWidth_m)
+      logs.at(static_cast<std::size_t>(axis)) = std::log(half_width_m(pair.subject, axis) / reference_m);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double one = logs.at((axis + 1) % 3), other = logs.at((axis + 2) % 3);
-    const double scale = logs.at(axis) - 0.5 * (one + other);
-    const bool is_wide = half_width_m(pair.reference, static_cast<int>(axis)) > kMinWidth_m;
-    if (!is_wide || !(std::abs(one - other) < kAgree) || !(std::abs(scale) > kMinScale)) continue;
-    candidates.push_back({{.factor = std::exp(scale), .axis = static_cast<int>(axis)}});
+    const std::optional<double> one = logs.at((axis + 1) % 3), other = logs.at((axis + 2) % 3);
+    if (!logs.at(axis) || (one && other && std::abs(*one - *other) > kAgree)) continue;
+    const double scale =
+        *logs.at(axis) - 0.5 * (one.value_or(other.value_or(0.0)) + other.value_or(one.value_or(0.0)));
+    if (std::abs(scale) > kMinScale)
+      candidates.push_back({{.factor = std::exp(scale), .axis = static_cast<int>(axis)}});
   }
 }
 
@@ -248,8 +254,9 @@ std::vector<std::vector<SizeChange>> size_candidates(const StreamPair& pair) {
       add_ratio(subject.moves_m / reference.moves_m, of_all);
   }
   if (!of_all.empty()) candidates.push_back(of_all);
-  add_axis_scale(pair, candidates);
+  const std::size_t of_the_whole = candidates.size();
   if (pair.subject.points > 1) add_points(pair, of_all, candidates);
+  if (candidates.size() == of_the_whole) add_axis_scale(pair, candidates);
   constexpr std::size_t kMax = 6;
   candidates.resize(std::min(candidates.size(), kMax));
   return candidates;

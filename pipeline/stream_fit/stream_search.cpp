@@ -258,7 +258,9 @@ class ChangeSearch {
       if (mirrored_[j] > j) try_exchange(j, mirrored_[j]);
     for (std::size_t j = 0; j < points; ++j)
       for (std::size_t k = j + 1; k < points; ++k) try_exchange(j, k);
-    return nearest(std::move(order), distance_m);
+    // a turn that was fitted to wrong names says little of which are near
+    const bool is_known = options_.any_frame || base.frame != FrameChange::turned;
+    return is_known ? nearest(std::move(order), distance_m) : order;
   }
 
   // The order in which each point of the reference has the subject's nearest that is left, where that leaves

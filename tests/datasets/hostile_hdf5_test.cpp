@@ -80,6 +80,22 @@ TEST(HostileHdf5, ABloscChunkThatLiesAboutItsSizeIsRefused) {
   }
 }
 
+// A chunk whose writer left a filter out holds other bytes than the dataset says.
+TEST(HostileHdf5, ADepthFrameWithoutOneOfItsFiltersIsDamaged) {
+  const ScratchFolder folder;
+  const auto path = sound_session(folder);
+  const auto read = [&] { SessionReader(path).stored_depth_frame(0, 0); };
+  EXPECT_EQ(message_of(read), "no error");
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(file, "/sensors/k1/depth/frame_mm", H5P_DEFAULT);
+  const std::vector<std::byte> raw(kDepthPixels * 2 + 4);
+  const hsize_t first[] = {0, 0, 0};
+  ASSERT_GE(H5Dwrite_chunk(dataset, H5P_DEFAULT, 1, first, raw.size(), raw.data()), 0);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  EXPECT_THAT(message_of(read), HasSubstr("the stored data are damaged (row 0)"));
+}
+
 TEST(HostileHdf5, RowsInAnotherFileAreNotRead) {
   const ScratchFolder folder;
   const auto path = sound_session(folder);

@@ -101,6 +101,13 @@ TEST(JointFaults, PersonsOnTheirHeadsAreNamedByTheAxesThatWereTurned) {
   EXPECT_EQ(faults_of(turned(-1, -1, 1)).upside_down_text(),
             "heads lie below the feet: does y point down, and x to the other side? A Kinect's points up");
   EXPECT_EQ(faults_of(turned(1, -1, 1), 14).upside_down_text(), std::nullopt) << "28 feet are too few";
+  JointFaults some;
+  for (int i = 0; i < 40; ++i) {
+    Body body = standing_body();
+    if (i % 5 < 3) turned(1, -1, 1)(body);
+    some.add(body);
+  }
+  EXPECT_EQ(some.upside_down_text(), std::nullopt) << "three of five are not all";
   const JointFaults footless = faults_of([](Body& body) {
     turned(-1, -1, 1)(body);
     for (const Joint joint : {Joint::foot_left, Joint::foot_right})

@@ -407,6 +407,29 @@ TEST(Session, VerifyWarnsWhereNoFrameHoldsABodyAndSaysHowFarItIs) {
   EXPECT_NEAR(shares.back(), 1.0, 1e-12);
 }
 
+// Half a percent of drift over four seconds is no clock's.
+TEST(Session, TicksThatDriftAsNoClockDoesAreSaidInPartsPerMillion) {
+  const auto path = written("drifting_ticks.h5", 120, [](std::int64_t i, BodyFrame& frame) {
+    frame.stamp.arrival_ns = 1'000'000'000 + 33'333'300 * i;
+    frame.stamp.device_ticks = static_cast<std::int64_t>(1.005 * 333'333.0 * static_cast<double>(i));
+    return true;
+  });
+  EXPECT_THAT(said_of(path), HasSubstr("warning ticks drift by -4975 ppm against arrivals"));
+}
+
+TEST(Session, TimesBeyondSeventyThreeYearsAreNotRead) {
+  const std::int64_t most_ticks = (std::int64_t{1} << 61) / header_of(1).sensors[0].tick_ns;
+  for (const auto& [share, is_read] : {std::pair{0.9, true}, {1.1, false}}) {
+    const auto path = written("far_ticks.h5", 1, [&](std::int64_t, BodyFrame& frame) {
+      frame.stamp.device_ticks = static_cast<std::int64_t>(share * static_cast<double>(most_ticks));
+      return true;
+    });
+    const SessionReader session(path);
+    const std::string text = message_of([&] { session.stamps(0, FrameStream::bodies, 0, 1); });
+    EXPECT_EQ(text == "no error", is_read) << share << ": " << text;
+  }
+}
+
 TEST(Session, ControlCharactersOfAFileReachNoTerminal) {
   EXPECT_EQ(printable("a\x1b[31m\x7f\n\tb\xc3\xa4"), "a\\x1b[31m\\x7f\n\tb\xc3\xa4");
   EXPECT_STREQ(InputError("f\x1b", "is \x07").what(), "f\\x1b: is \\x07");

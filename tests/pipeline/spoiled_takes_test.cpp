@@ -110,6 +110,64 @@ void copy_k1_to_k2(Recorded& recorded) {
                  }});
 }
 
+// The points of one frame of an export by asset; NaN where a point is missing.
+using ExportPoints = std::map<std::string, Eigen::Vector3d>;
+
+// `change` of the points of each frame, of which `frame` tells the number.
+Spoil points(const std::function<void(ExportPoints& points_m, std::size_t frame)>& change) {
+  return [=](Recorded& recorded) {
+    change_export(recorded, [&](const auto& assets, auto& rows) {
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        ExportPoints points_m;
+        for (std::size_t c = 2; c + 2 < rows[r].size(); c += 3)
+          if (!rows[r][c].empty())
+            points_m[assets[c]] = {std::stod(rows[r][c]), std::stod(rows[r][c + 1]),
+                                   std::stod(rows[r][c + 2])};
+        change(points_m, r);
+        for (std::size_t c = 2; c + 2 < rows[r].size(); c += 3)
+          for (int axis = 0; axis < 3; ++axis)
+            rows[r][c + static_cast<std::size_t>(axis)] =
+                points_m.contains(assets[c]) ? fmt::format("{:.6f}", points_m[assets[c]][axis]) : "";
+      }
+    });
+  };
+}
+
+// Where the middle of both shoulders is, and the turn about y that brings the line between them to x.
+Eigen::Vector3d middle_of_shoulders(const ExportPoints& points_m) {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (const auto& [asset, at_m] : points_m)
+    if (asset.starts_with("shoulder_")) sum_m += at_m, count += 1.0;
+  return sum_m / count;
+}
+
+Spoil relative_to_shoulders(const Eigen::Vector3d& axes) {
+  return points([=](ExportPoints& points_m, std::size_t) {
+    const Eigen::Vector3d root_m = middle_of_shoulders(points_m).cwiseProduct(axes);
+    for (auto& [asset, at_m] : points_m) at_m -= root_m;
+  });
+}
+
+// Each asset of the mapping under the joint after its own.
+void map_one_joint_off(Recorded& recorded) {
+  JointMapping mapping = read_mapping(recorded.take().mapping);
+  std::vector<std::string> first = mapping.joints.front().assets;
+  for (std::size_t j = 0; j + 1 < mapping.joints.size(); ++j)
+    mapping.joints[j].assets = mapping.joints[j + 1].assets;
+  mapping.joints.back().assets = first;
+  write_mapping(recorded.take().mapping, mapping);
+}
+
+void run_backwards(Recorded& recorded) {
+  change_export(recorded, [](const auto&, auto& rows) {
+    auto turned = rows;
+    std::ranges::reverse(turned);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      std::copy(turned[r].begin() + 2, turned[r].end(), rows[r].begin() + 2);
+  });
+}
+
 struct Spoiled {
   std::string what;
   Spoil spoil;
@@ -171,6 +229,30 @@ std::vector<Spoiled> all_spoiled() {
       {"slow_frames",
        keep_every_fourth_frame,
        {"k1, k2: frames are 0.13 s apart, and sensor_gap_s is 0.11 s", "\"sensor_gap_s\": 0.2"}},
+      {"relative_truth",
+       relative_to_shoulders({1, 1, 1}),
+       {"mocap.csv",
+        "gives positions relative to the middle of shoulder_left and shoulder_right: put right"}},
+      {"relative_but_for_heights",
+       relative_to_shoulders({1, 0, 1}),
+       {"mocap.csv",
+        "relative to the middle of shoulder_left and shoulder_right, but for heights: put right"}},
+      {"one_axis_of_the_truth",
+       points([](ExportPoints& points_m, std::size_t) {
+         for (auto& [asset, at_m] : points_m) at_m.x() *= 0.6;
+       }),
+       {"mocap.csv", "has x 0.6", "times as large as the sensors see it", "divide its x by 0.6"}},
+      {"mapped_one_joint_off",
+       map_one_joint_off,
+       {"mapping.json", "has points under the names of others: ", "mend the mapping"}},
+      {"moved_truth",
+       points([](ExportPoints& points_m, std::size_t frame) {
+         for (auto& [asset, at_m] : points_m) at_m.z() += frame < 500 ? 0.0 : 0.6;
+       }),
+       {"mocap.csv", "from 5.0", "another frame than what the sensors see, shifted by", "-0.6"}},
+      {"empty_truth",
+       points([](ExportPoints& points_m, std::size_t) { points_m.clear(); }),
+       {"mocap.csv", "has frames from 0.0", "while the session runs, but no joint in any of them"}},
       {"mirrored_truth", mirror_export, {"mocap.csv", "is mirrored", "right-handed axes"}},
       {"cut_export", cut_export, {"mocap.csv", "frames where its header promises", "was it cut?"}},
       {"inverse_poses",
@@ -297,6 +379,16 @@ TEST_P(SpoiledTakes, AreNamedWithSizeAndRemedy) {
 
 INSTANTIATE_TEST_SUITE_P(All, SpoiledTakes, testing::ValuesIn(all_spoiled()),
                          [](const auto& spoiled) { return spoiled.param.what; });
+
+// It looks mirrored, and is not.
+TEST(SpoiledTruth, AMotionRunBackwardsIsNotCalledMirrored) {
+  const ScratchFolder folder;
+  Recorded recorded{simulate_into(folder / "campaign", recorded_spec()), folder.path()};
+  run_backwards(recorded);
+  const std::string notes =
+      notes_of(execute_study(study_of(kMeanOfStatedClock), recorded.campaign, folder / "results", {}));
+  EXPECT_THAT(notes, testing::Not(testing::HasSubstr("mirror")));
+}
 
 class SpoiledPoses : public testing::TestWithParam<Spoiled> {};
 

@@ -52,6 +52,7 @@ unsigned causes_shown(Change change, const std::string& activity) {
   const bool stays = activity == "standing" || activity == "arm_swing";
   if (change == Change::root && stays) return kShiftCause;
   if (change == Change::body_frame && stays) return kShiftCause;
+  if (change == Change::axis_scale && activity == "standing") return kShiftCause;
   if (change == Change::level_root && (stays || activity == "squat")) return kShiftCause;
   constexpr unsigned kClockCauses = kStartCause | kRateCause;
   const unsigned causes = kind_of(change).causes;

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "datasets/base/philox.h"
 #include "datasets/session/session_reader.h"
@@ -20,6 +21,13 @@ namespace {
 using std::chrono::milliseconds;
 using testing::Contains;
 using testing::HasSubstr;
+
+TEST(ReceiveSockets, LieInAFolderOfTheUsersOwnWhateverTheLoginKnows) {
+  const std::vector<std::filesystem::path> sockets = receive_sockets();
+  ASSERT_FALSE(sockets.empty());
+  EXPECT_EQ(sockets.back(), "/tmp/trilat-" + std::to_string(::getuid()) + "/recorder");
+  for (const std::filesystem::path& socket : sockets) EXPECT_EQ(socket.filename(), "recorder");
+}
 
 // A recorder on a thread of its own.
 class Recorder {

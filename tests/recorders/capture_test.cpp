@@ -67,25 +67,6 @@ TEST(Capture, StoresWhatAllSourcesDeliverInTheirOrder) {
   EXPECT_EQ(session.counts(1).clock_exchanges, 40u);
 }
 
-// Its depth comes compressed, as from an agent.
-class CompressedSource : public PatternSource {
- public:
-  CompressedSource() : PatternSource(1, 5) {}
-  std::optional<SourceEvent> next() override {
-    auto event = PatternSource::next();
-    if (!event) return event;
-    if (auto* depth = std::get_if<DepthFrame>(&event->data))
-      event->data = encode_depth_frame(depth->stamp, depth->depth_mm, ChunkCompression::blosc);
-    return event;
-  }
-};
-
-TEST(Capture, DepthThatComesCompressedIsStoredAsItIs) {
-  const ScratchFolder folder;
-  capture(sources_of(std::make_unique<CompressedSource>()), folder / "session.h5", {});
-  expect_pattern(SessionReader(folder / "session.h5"), 0, 0, 5);
-}
-
 // Of a source that waits for its next frame, whenever that is.
 TEST(LiveSource, StopEndsTheWaitOfAnotherThread) {
   for (int round = 0; round < 20; ++round) {

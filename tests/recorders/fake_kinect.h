@@ -26,7 +26,7 @@ struct Exposure {
 struct Desk {
   std::deque<Exposure> exposures;
   double rays_right_px = 0.0, rays_down_px = 0.0;  // of the table beside the intrinsics
-  bool has_rays = true;
+  bool has_rays = true, knows_rays = true;
   int tables_held = 0;
   bool available = true;
   bool intrinsics_known = true;
@@ -173,8 +173,8 @@ struct Mapper : ICoordinateMapperTable {
         const auto ray = ray_through(in, {u, v});
         const float unknown = -std::numeric_limits<float>::infinity();
         (*rays)[v * in.width_px + u] =
-            ray ? PointF{static_cast<float>(ray->x()), static_cast<float>(ray->y())}
-                : PointF{unknown, unknown};
+            ray && desk.knows_rays ? PointF{static_cast<float>(ray->x()), static_cast<float>(ray->y())}
+                                   : PointF{unknown, unknown};
       }
     return kOk;
   }

@@ -110,6 +110,11 @@ TEST(KinectSource, KeepsThePrincipalPointWithoutATableOfRays) {
   desk.has_rays = false;
   KinectSource source(kinect::fake::runtime_of(desk), kQuick);
   EXPECT_EQ(source.header().sensors.at(0).intrinsics.cx_px, 255.0);
+  desk = desk_with({});
+  desk.rays_right_px = 0.5;
+  desk.knows_rays = false;
+  EXPECT_EQ(KinectSource(kinect::fake::runtime_of(desk), kQuick).header().sensors.at(0).intrinsics.cx_px,
+            255.0);
 }
 
 TEST(KinectSource, DeliversDepthAndBodiesOfAnExposureWithOneNumber) {

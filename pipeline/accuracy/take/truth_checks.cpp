@@ -23,10 +23,10 @@ constexpr double kFar_m = 0.25, kFarTimes = 3.0;
 // Trackers and markers lie up to a decimetre apart, and exchanged sides of a few joints leave the median.
 constexpr double kApart_m = 0.3;
 constexpr double kMinCovered = 0.5;  // of the take by its truth; less is said
-constexpr StreamFitOptions kLookedFor{
-    .min_scale = kMinScale,
-    .causes = kSizeCause | kPointSizeCause | kLaterSizeCause | kSidesCause | kMirrorCause,
-    .any_frame = true};
+constexpr StreamFitOptions kLookedFor{.min_scale = kMinScale,
+                                      .causes = kSizeCause | kPointSizeCause | kLaterSizeCause |
+                                                kAxisSizeCause | kSidesCause | kMirrorCause | kRootCause,
+                                      .any_frame = true};
 
 class TruthChecker {
  public:
@@ -37,14 +37,19 @@ class TruthChecker {
 
   TakeChecks run() {
     const auto [seen, truth] = streams();
-    const StreamFit fit = fit_streams({seen, truth}, mirrored_points(names_), kLookedFor);
+    StreamFit fit = fit_streams({seen, truth}, mirrored_points(names_), kLookedFor);
+    if (is_doubtful(fit)) fit.status = StreamFitStatus::unexplained;
     add({.subject = "mocap", .what = "laid over", .unit = "m", .value = fit.before_m});
     checks_.rows.back().beyond = checks_.names_cause =
         fit.status == StreamFitStatus::found || fit.status == StreamFitStatus::one_of;
-    if (fit.status == StreamFitStatus::found)
+    if (fit.status == StreamFitStatus::found && !fit.changes.front().root)
       note_change(fit);
+    else if (fit.status == StreamFitStatus::found)
+      note(planned_.take.mocap, stream_note(without_frames(fit), {"what the sensors see", names_}));
     else if (fit.status == StreamFitStatus::one_of)
       note(planned_.take.mocap, stream_note(without_frames(fit), {"what the sensors see", names_}));
+    else if (const std::string text = text_over_time({seen, truth}, fit); !text.empty())
+      note(planned_.take.mocap, text);
     else
       check_place(seen, truth);
     check_coverage();
@@ -59,7 +64,10 @@ class TruthChecker {
     const StreamFit fit = fit_streams(
         {seen, truth}, mirrored_points(names_),
         {.min_start_s = kMinStart_s, .causes = kStartCause | kRateCause | kShiftCause | kTurnCause});
-    if (fit.changes.empty() || (causes_of(fit.changes.front()) & (kStartCause | kRateCause)) != 0) return {};
+    constexpr double kMaxLeft_m = 0.2;  // what leaves more is not all that is wrong
+    if (fit.changes.empty() || (causes_of(fit.changes.front()) & (kStartCause | kRateCause)) != 0 ||
+        fit.after_m > kMaxLeft_m)
+      return {};
     const std::string text = stream_note(fit, {"what the sensors see", names_});
     return fit.status == StreamFitStatus::found ? text + ", or calibrate the sensors in its world" : text;
   }
@@ -120,6 +128,29 @@ class TruthChecker {
     return streams;
   }
 
+  // A mirror that leaves much: a motion run backwards looks mirrored.
+  static bool is_doubtful(const StreamFit& fit) {
+    constexpr double kMaxLeft_m = 0.12;
+    return !fit.changes.empty() && fit.changes.front().mirrored && fit.after_m > kMaxLeft_m;
+  }
+  // What no one change explains: a constant of each joint, a part in another frame, a frame that moves.
+  std::string text_over_time(const StreamPair& pair, const StreamFit& fit) const {
+    const StreamWords words{"what the sensors see", names_};
+    if (const auto after_m = find_own_places(pair, fit.before_m))
+      return own_places_note(*after_m, fit.before_m, words);
+    const auto drift = find_frame_drift(pair);
+    if (!drift || !is_named(*drift)) return {};
+    constexpr double kAsWell = 1.4;  // a drift has a frame for each piece
+    StreamFitOptions options;
+    options.min_scale = kMinScale;
+    const auto part = find_part_change(pair, mirrored_points(names_), options, kAsWell * drift->after_m);
+    return part ? part_note(*part, fit.before_m, words) : drift_note(*drift, fit.before_m, words);
+  }
+  // Whether a frame moved by more than trackers do that see a person from other sides.
+  static bool is_named(const FrameDrift& drift) {
+    constexpr double kMinShift_m = 0.15, kMinTurn_rad = 0.15;
+    return drift.shift_m > kMinShift_m || drift.turn_rad > kMinTurn_rad;
+  }
   // The two worlds may lie anyhow, so a note does not name the frame that lays them over each other.
   static StreamFit without_frames(StreamFit fit) {
     for (StreamChange& change : fit.changes)
@@ -155,14 +186,19 @@ class TruthChecker {
     std::vector<std::string> what, remedies;
     for (const SizeChange& size : change.sizes) {
       what.push_back(
-          size.point
-              ? fmt::format("moves {} {:.2f} times as far as the sensors see it move{}", names_[*size.point],
-                            size.factor, unit_text(size))
+          size.point ? fmt::format("moves {} {:.2f} times as far as the sensors see it move{}",
+                                   names_[*size.point], size.factor, unit_text(size))
+          : size.axis
+              ? fmt::format("has {} {} times as large as the sensors see it{}", "xyz"[*size.axis],
+                            factor_text(size), unit_text(size))
               : fmt::format(
                     "shows movements and a body {} times as large as the sensors do{}{}", factor_text(size),
                     size.at_s ? fmt::format(" {} {:.2f} s", size.until ? "until" : "from", *size.at_s) : "",
                     unit_text(size)));
-      remedies.push_back(size.point ? "is the unit of its asset right?" : "is the export's unit right?");
+      remedies.push_back(size.point ? "is the unit of its asset right?"
+                         : size.axis
+                             ? fmt::format("divide its {} by {}", "xyz"[*size.axis], factor_text(size))
+                             : "is the export's unit right?");
     }
     if ((causes & kMirrorCause) != 0) {
       what.emplace_back("is mirrored, it seems");

@@ -99,6 +99,14 @@ std::string start_remedy(const PlannedTake& planned, HostTime last, Duration exp
                                        const MarkerTrack& truth) {
   const double start_s = (planned.start - HostTime{planned.take.mocap_start_host_ns}).seconds();
   const Duration length = plan.instant(planned.instants - 1);
+  if (start_s < Duration{truth.end().ns}.seconds() && start_s + length.seconds() > 0.0)
+    throw InputError(
+        planned.take.mocap.string(),
+        fmt::format("has frames from {:.3f} s to {:.3f} s on its clock, while the session runs, but no "
+                    "joint in any of them: all assets of a joint must be there. Are they labelled, "
+                    "and does the mapping name the right ones?",
+                    std::max(0.0, start_s),
+                    std::min(Duration{truth.end().ns}.seconds(), start_s + length.seconds())));
   throw InputError(
       planned.take.mocap.string(),
       fmt::format(
