@@ -258,7 +258,10 @@ TEST(Recover, SavesWhatARecorderOfVersion04Left) {
   const std::string before = read_file(partial);
   const Ended ended = run_trilat(folder, {"recover", in(folder, "s.h5"), "--json"});
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_EQ(only_json(ended)["sensors"][0]["body_frames"], 7);
+  const Json json = only_json(ended);
+  EXPECT_EQ(json["sensors"][0]["body_frames"], 7);
+  EXPECT_EQ(json["session"], in(folder, "s.h5"));
+  EXPECT_EQ(json["from"], partial.string());
   EXPECT_EQ(SessionReader(folder / "s.h5").counts(0).body_frames, 7u);
   EXPECT_EQ(read_file(partial), before);
 }

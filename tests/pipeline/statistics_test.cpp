@@ -245,6 +245,15 @@ TEST(Statistics, MethodsOfASingleTakeAreMarked) {
   EXPECT_GT(told_apart, 0u);
 }
 
+TEST(Statistics, TwoBlocksOfTimeAreEnoughToMarkAMethod) {
+  Evaluated evaluated;
+  const ResultsSummary summary =
+      evaluated.of(walking_spec(1, 9.0), study_of(R"("alignments": ["mean"], "reference": "mean", "methods": [
+          {"method": "mean"}, {"method": "mean", "name": "same"}])"));
+  ASSERT_FALSE(summary.best.empty());
+  for (const BestMethod& best : summary.best) EXPECT_EQ(best.not_distinguished.size(), 1u) << best.group;
+}
+
 // A method whose error is larger for every participant is not marked; one with equal estimates is.
 TEST(Statistics, NoMarkContradictsADifference) {
   Evaluated evaluated;

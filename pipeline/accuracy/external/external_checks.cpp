@@ -59,9 +59,9 @@ std::string burst_text(const std::vector<MocapTime>& time) {
   const double median_s = upper_median(std::move(steps_s));
   if (!(median_s < kInBurst * mean_s)) return {};
   return fmt::format(
-      "; its times come in bursts (half of its steps are {:.3g} ms, at {:.3g} ms in the mean), as where "
-      "frames "
-      "are stamped when they arrive: write when each was taken",
+      "; its times come in bursts (half of its steps are {:.3g} ms, at {:.3g} ms in the mean): are they "
+      "stamps of "
+      "arrival? Write when each frame was taken",
       1e3 * median_s, 1e3 * mean_s);
 }
 
