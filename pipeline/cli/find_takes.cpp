@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
@@ -75,6 +76,19 @@ void note_unread(const fs::path& file, FoundTakes& found) {
   }
 }
 
+// The only motion capture of a recording's name in another folder, as where recordings and motion capture
+// have a folder each.
+fs::path mocap_elsewhere(const fs::path& session, FoundTakes& found) {
+  std::vector<fs::path> named;
+  for (const fs::path& file : found.mocap_apart)
+    if (file.stem() == session.stem()) named.push_back(file);
+  if (named.size() != 1) return {};
+  std::erase(found.mocap_apart, named.front());
+  found.notes.push_back(
+      fmt::format("{}: its motion capture is {}, by its name", session.string(), named.front().string()));
+  return named.front();
+}
+
 // The motion capture beside a recording: of the same name, else the one called mocap, else the only one
 // beside the only recording.
 fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sessions, FoundTakes& found) {
@@ -87,7 +101,7 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
   std::ranges::sort(all);
   for (const fs::path& stem : {session.stem(), fs::path("mocap")})
     if (const auto one = std::ranges::find(all, stem, &fs::path::stem); one != all.end()) return *one;
-  if (all.empty()) return {};
+  if (all.empty()) return mocap_elsewhere(session, found);
   // beside OptiTrack's own export a TRC is what another method gave
   if (all.size() > 1)
     std::erase_if(all, [](const fs::path& file) { return lower_extension(file) == ".trc"; });
@@ -171,12 +185,27 @@ std::vector<fs::path> find_sessions(const TakeSearch& search, const Campaign& kn
       sessions.push_back(file);
       if (!is_known) found.takes.push_back(take_of(reader, file, search));
     } catch (const InputError& error) {
+      found.unread.emplace_back(error.what());
       found.notes.push_back(fmt::format("left out, no recording: {}", error.what()));
     }
   return sessions;
 }
 
-[[noreturn]] void refuse_without_sessions(const fs::path& folder, const Campaign& calibration) {
+// Motion capture in folders without a recording.
+std::vector<fs::path> mocap_apart_from(const std::vector<fs::path>& sessions, const fs::path& folder) {
+  std::vector<fs::path> apart;
+  for (const fs::path& file : files_below(folder, {".csv", ".trc"})) try {
+      const bool is_beside = std::ranges::count(sessions, file.parent_path(), &fs::path::parent_path) > 0;
+      if (!is_beside && is_mocap(file)) apart.push_back(file);
+    } catch (const InputError&) {  // no recording asks for it
+    }
+  return apart;
+}
+
+[[noreturn]] void refuse_without_sessions(const fs::path& folder, const FoundTakes& found) {
+  const Campaign& calibration = found.calibration;
+  if (!found.unread.empty())
+    throw InputError(folder.string(), "holds no recording that can be read: " + found.unread.front());
   if (calibration.wand || !calibration.stated_distances.empty() || !calibration.walls.empty())
     throw InputError(
         folder.string(),
@@ -235,11 +264,29 @@ void add_files_beside(Take& take, const TakeSearch& search, const std::vector<fs
 FoundTakes find_takes(const TakeSearch& search, const Campaign& known) {
   FoundTakes found;
   const std::vector<fs::path> sessions = find_sessions(search, known, found);
-  if (sessions.empty()) refuse_without_sessions(search.folder, found.calibration);
+  if (sessions.empty()) refuse_without_sessions(search.folder, found);
+  found.mocap_apart = mocap_apart_from(sessions, search.folder);
   for (FoundTake& one : found.takes) add_files_beside(one.take, search, sessions, found);
+  for (const Take& take : known.takes)
+    std::erase_if(found.mocap_apart, [&](const fs::path& file) {
+      return fs::weakly_canonical(file) == fs::weakly_canonical(take.mocap);
+    });
+  if (!found.mocap_apart.empty())
+    found.notes.push_back(fmt::format(
+        "{}{}: motion capture of no recording; put it beside its recording, or give it the recording's name",
+        found.mocap_apart.front().string(),
+        found.mocap_apart.size() == 1 ? "" : fmt::format(" and {} more", found.mocap_apart.size() - 1)));
   std::set<std::string> known_ids;
   for (const Take& take : known.takes) known_ids.insert(take.id);
   number_equal_ids(found.takes, known_ids, found.notes);
+  const auto participant_of = [](const FoundTake& one) { return one.take.participant; };
+  std::set<std::string> participants;
+  std::ranges::transform(found.takes, std::inserter(participants, participants.end()), participant_of);
+  if (known.takes.empty() && found.takes.size() > 1 && participants.size() == 1)
+    found.notes.push_back(fmt::format(
+        "{}: all recordings lie in {}, so one participant made them; if several people did, give each a "
+        "folder",
+        search.folder.string(), *participants.begin()));
   const auto in_top = [&](const fs::path& session) { return session.parent_path() == search.folder; };
   if (known.takes.empty() && std::ranges::count_if(sessions, in_top) > 1)
     found.notes.push_back(

@@ -27,6 +27,10 @@ struct FoundTakes {
   std::vector<FoundTake> takes;
   std::vector<std::string> notes;
   Campaign calibration = {};  // its wand, stated distances and walls
+  // Motion capture in folders without a recording that no take has; why files that end as sessions do are
+  // none.
+  std::vector<std::filesystem::path> mocap_apart = {};
+  std::vector<std::string> unread = {};
 };
 
 // Finds the recordings below the folder that `known`, the campaign as it is, does not hold. Each comes with

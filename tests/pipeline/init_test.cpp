@@ -222,6 +222,46 @@ TEST(Init, EndingsOfAnyCaseAndHdf5AreFound) {
   EXPECT_EQ(run_trilat(folder, {"info", (own / "p01/walking.CSV").string()}).code, 0);
 }
 
+// `kinect/p01_walking.h5` and `mocap/p01_walking.csv`.
+TEST(Init, RecordingsAndMotionCaptureMayHaveAFolderEach) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  for (const char* name : {"kinect", "mocap"}) std::filesystem::create_directories(own / name);
+  for (const std::string participant : {"p01", "p02"}) {
+    std::filesystem::rename(own / participant / "walking.h5", own / "kinect" / (participant + "_walking.h5"));
+    std::filesystem::rename(own / participant / "walking.csv",
+                            own / "mocap" / (participant + "_walking.csv"));
+  }
+  std::filesystem::copy(own / "mocap/p02_walking.csv", own / "mocap/calm.csv");
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("p01_walking of kinect, 4 sensors; p01_walking.csv starts"),
+                               HasSubstr("p02_walking of kinect, 4 sensors; p02_walking.csv starts")));
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("p01_walking.csv, by its name"),
+                               HasSubstr("mocap/calm.csv: motion capture of no recording"),
+                               HasSubstr("all recordings lie in kinect, so one participant made them")));
+}
+
+TEST(Init, MotionCaptureThatNoRecordingTakesIsNamed) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  std::filesystem::create_directories(own / "exports");
+  for (const std::string participant : {"p01", "p02"})
+    std::filesystem::rename(own / participant / "walking.csv", own / "exports" / (participant + ".csv"));
+  const Ended ended = run_trilat(folder, {"init", own.string()});
+  EXPECT_THAT(ended.out, HasSubstr("no motion capture"));
+  EXPECT_THAT(ended.err,
+              AllOf(HasSubstr("exports/p01.csv and 1 more: motion capture of no recording; put it"),
+                    Not(HasSubstr("one participant"))));
+}
+
+TEST(Init, ACutRecordingIsNamedAndNotCalledMissing) {
+  const ScratchFolder folder;
+  const auto own = own_folder(folder);
+  for (const char* participant : {"p01", "p02"})
+    std::filesystem::resize_file(own / participant / "walking.h5", 100'000);
+  expect_refused(run_trilat(folder, {"init", own.string()}), "holds no recording that can be read: ");
+}
+
 TEST(Init, CalibrationsOfOtherNamesAreNamed) {
   const ScratchFolder folder;
   const auto own = own_folder(folder);
