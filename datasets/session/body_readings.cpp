@@ -242,7 +242,7 @@ std::optional<double> JointFaults::odd_size() const {
 }
 
 std::optional<std::string> JointFaults::too_long_text() const {
-  // Of hidden limbs up to 7 are too long, and three of them much.
+  // A person whose limbs are hidden has up to 7 bones that are too long, three of them by half.
   constexpr std::size_t kMinBones = 6, kMinMuch = 4;
   constexpr double kMuch = 1.5;
   constexpr std::size_t kMaxNamed = 3;

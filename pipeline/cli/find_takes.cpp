@@ -76,12 +76,15 @@ void note_unread(const fs::path& file, FoundTakes& found) {
   }
 }
 
+bool is_trc(const fs::path& file) { return lower_extension(file) == ".trc"; }
+
 // The only motion capture of a recording's name in another folder, as where recordings and motion capture
 // have a folder each.
 fs::path mocap_elsewhere(const fs::path& session, FoundTakes& found) {
   std::vector<fs::path> named;
   for (const fs::path& file : found.mocap_apart)
     if (file.stem() == session.stem()) named.push_back(file);
+  if (named.size() > 1) std::erase_if(named, is_trc);
   if (named.size() != 1) return {};
   std::erase(found.mocap_apart, named.front());
   found.notes.push_back(
@@ -103,8 +106,7 @@ fs::path mocap_beside(const fs::path& session, const std::vector<fs::path>& sess
     if (const auto one = std::ranges::find(all, stem, &fs::path::stem); one != all.end()) return *one;
   if (all.empty()) return mocap_elsewhere(session, found);
   // beside OptiTrack's own export a TRC is what another method gave
-  if (all.size() > 1)
-    std::erase_if(all, [](const fs::path& file) { return lower_extension(file) == ".trc"; });
+  if (all.size() > 1) std::erase_if(all, is_trc);
   if (all.size() == 1 && std::ranges::count(sessions, session.parent_path(), &fs::path::parent_path) == 1)
     return all.front();
   found.notes.push_back(fmt::format("{}: which motion capture belongs to it is not clear; call it {}{}",

@@ -148,8 +148,8 @@ CauseText root_text(const StreamChange& change, const StreamWords& words) {
   return {
       fmt::format("gives positions relative to {}{}{}", name, root.keeps_height ? ", but for heights" : "",
                   root.turns ? ", in axes that turn with the body" : ""),
-      root.turns ? "turn them back and add where that was, or give both files so"
-                 : "add where that was, or give both files relative to it"};
+      root.turns ? "give positions in the room: turn them back, and add where that was"
+                 : "give positions in the room: add where that was"};
 }
 
 std::vector<CauseText> texts_of(const StreamChange& change, const StreamWords& words) {

@@ -407,7 +407,7 @@ TEST(Session, VerifyWarnsWhereNoFrameHoldsABodyAndSaysHowFarItIs) {
   EXPECT_NEAR(shares.back(), 1.0, 1e-12);
 }
 
-// Half a percent of drift over four seconds is no clock's.
+// No clock drifts by half a percent.
 TEST(Session, TicksThatDriftAsNoClockDoesAreSaidInPartsPerMillion) {
   const auto path = written("drifting_ticks.h5", 120, [](std::int64_t i, BodyFrame& frame) {
     frame.stamp.arrival_ns = 1'000'000'000 + 33'333'300 * i;

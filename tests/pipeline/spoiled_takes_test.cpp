@@ -110,10 +110,10 @@ void copy_k1_to_k2(Recorded& recorded) {
                  }});
 }
 
-// The points of one frame of an export by asset; NaN where a point is missing.
+// The points of one frame of an export by asset, without those that are missing.
 using ExportPoints = std::map<std::string, Eigen::Vector3d>;
 
-// `change` of the points of each frame, of which `frame` tells the number.
+// Applies `change` to the points of each frame; `frame` is the frame's number.
 Spoil points(const std::function<void(ExportPoints& points_m, std::size_t frame)>& change) {
   return [=](Recorded& recorded) {
     change_export(recorded, [&](const auto& assets, auto& rows) {
@@ -133,7 +133,6 @@ Spoil points(const std::function<void(ExportPoints& points_m, std::size_t frame)
   };
 }
 
-// Where the middle of both shoulders is, and the turn about y that brings the line between them to x.
 Eigen::Vector3d middle_of_shoulders(const ExportPoints& points_m) {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   double count = 0.0;

@@ -49,7 +49,7 @@ PointStream external_stream(const Plan& plan, const ExternalTrack& external) {
   return stream;
 }
 
-// Of frames that were stamped together, some at a time; else empty.
+// The text on time stamps that come in bursts; empty where they do not.
 std::string burst_text(const std::vector<MocapTime>& time) {
   constexpr double kInBurst = 0.2;  // of the mean step
   if (time.size() < 3) return {};
@@ -60,8 +60,7 @@ std::string burst_text(const std::vector<MocapTime>& time) {
   if (!(median_s < kInBurst * mean_s)) return {};
   return fmt::format(
       "; its times come in bursts (half of its steps are {:.3g} ms, at {:.3g} ms in the mean): are they "
-      "stamps of "
-      "arrival? Write when each frame was taken",
+      "stamps of arrival? Write when each frame was taken",
       1e3 * median_s, 1e3 * mean_s);
 }
 
@@ -272,8 +271,9 @@ std::string fit_text(const StreamPair& pair, const std::vector<std::size_t>& mir
     if (const auto drift = find_frame_drift(pair)) return drift_note(*drift, fit.before_m, words);
   if (!is_unexplained && !(fit.status == StreamFitStatus::sound && is_uneven(fit)))
     return stream_note(fit, words);
-  if (const auto after_m = find_own_places(pair, fit.before_m); is_unexplained && after_m)
-    return own_places_note(*after_m, fit.before_m, words);
+  if (is_unexplained)
+    if (const auto after_m = find_own_places(pair, fit.before_m))
+      return own_places_note(*after_m, fit.before_m, words);
   const auto jump = is_unexplained ? find_clock_jump(pair, mirrored, options, fit.before_m) : std::nullopt;
   const double most_left_m = fit.before_m / (is_unexplained ? 3.0 : 2.0);
   const auto part = find_part_change(pair, mirrored, options, most_left_m);

@@ -133,18 +133,22 @@ class TruthChecker {
     constexpr double kMaxLeft_m = 0.12;
     return !fit.changes.empty() && fit.changes.front().mirrored && fit.after_m > kMaxLeft_m;
   }
-  // What no one change explains: a constant of each joint, a part in another frame, a frame that moves.
+  // The note on a constant of each joint, a part in another frame, or a frame that moves; empty without one.
   std::string text_over_time(const StreamPair& pair, const StreamFit& fit) const {
     const StreamWords words{"what the sensors see", names_};
+    const double before_m =
+        planned_.in_mocap_world
+            ? mean_of_known(errors_of_change(pair, blocks_of(pair), StreamChange{}).plain_m)
+            : fit.before_m;
     if (const auto after_m = find_own_places(pair, fit.before_m))
-      return own_places_note(*after_m, fit.before_m, words);
+      return own_places_note(*after_m, before_m, words);
     const auto drift = find_frame_drift(pair);
     if (!drift || !is_named(*drift)) return {};
     constexpr double kAsWell = 1.4;  // a drift has a frame for each piece
     StreamFitOptions options;
     options.min_scale = kMinScale;
     const auto part = find_part_change(pair, mirrored_points(names_), options, kAsWell * drift->after_m);
-    return part ? part_note(*part, fit.before_m, words) : drift_note(*drift, fit.before_m, words);
+    return part ? part_note(*part, before_m, words) : drift_note(*drift, before_m, words);
   }
   // Whether a frame moved by more than trackers do that see a person from other sides.
   static bool is_named(const FrameDrift& drift) {
